@@ -1,0 +1,63 @@
+// What the binding files share: array types and shape checks. Only bindings see Python.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <string>
+
+#include "grid.hpp"
+
+namespace houle {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+template <class T>
+using Array = nb::ndarray<T, nb::c_contig, nb::device::cpu>;  // any shape; checked by the helpers below
+
+template <int D>
+inline void require_cells(const Grid<D>& g, std::size_t size, const char* name) {
+  if (static_cast<index>(size) != g.cells())
+    throw std::invalid_argument(std::string(name) + " has " + std::to_string(size) + " entries, the grid " +
+                                std::to_string(g.cells()) + " cells");
+}
+
+template <int D>
+inline Faces<D> faces_of(const Grid<D>& g, std::vector<Array<double>>& arrays, const char* name) {
+  if (arrays.size() != D) throw std::invalid_argument(std::string(name) + " needs one array per axis");
+  Faces<D> f;
+  for (int a = 0; a < D; ++a) {
+    if (static_cast<index>(arrays[a].size()) != g.faces(a))
+      throw std::invalid_argument(std::string(name) + " does not fit the faces of axis " + std::to_string(a));
+    f.data[a] = arrays[a].data();
+  }
+  return f;
+}
+
+template <int D>
+inline index points_of(const Array<double>& x, const char* name) {  // (N, D) -> N
+  if (x.ndim() != 2 || x.shape(1) != D)
+    throw std::invalid_argument(std::string(name) + " must have shape (N, " + std::to_string(D) + ")");
+  return static_cast<index>(x.shape(0));
+}
+
+inline void require_size(std::size_t size, index n, const char* name) {
+  if (static_cast<index>(size) != n)
+    throw std::invalid_argument(std::string(name) + " has " + std::to_string(size) + " entries, expected " +
+                                std::to_string(n));
+}
+
+// each bind_*.cpp fills the module for D = 2 and D = 3 (overloads told apart by Grid2 / Grid3)
+void bind_poisson(nb::module_& m);
+void bind_transfer(nb::module_& m);
+void bind_remesh(nb::module_& m);
+void bind_sph(nb::module_& m);
+
+}  // namespace houle

@@ -1,0 +1,7 @@
+#include "bind.hpp"
+
+namespace houle {
+
+void bind_poisson(nb::module_&) {}
+
+}  // namespace houle

@@ -1,0 +1,7 @@
+#include "bind.hpp"
+
+namespace houle {
+
+void bind_sph(nb::module_&) {}
+
+}  // namespace houle

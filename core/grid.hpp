@@ -1,0 +1,76 @@
+// The Cartesian staggered (MAC) grid: shape, spacing and which axes repeat. No data: arrays are passed beside it.
+//
+// Arrays are C-ordered, the last axis (up) fastest. A cell field has the grid's shape; a face field of axis a has one
+// more entry along a: face i lies at x_a = i h_a, between cells i-1 and i. On a periodic axis face 0 and face n are the
+// same face; both entries are kept equal. Every cell field of n cells and every face field is dense, without ghosts.
+#pragma once
+
+#include <array>
+
+#include "parallel.hpp"
+
+namespace houle {
+
+template <int D>
+struct Grid {
+  static_assert(D == 2 || D == 3);
+  std::array<index, D> shape{};
+  std::array<double, D> h{};       // spacing per axis [m]
+  std::array<bool, D> periodic{};
+
+  index cells() const {
+    index n = 1;
+    for (index s : shape) n *= s;
+    return n;
+  }
+  double cell_volume() const {
+    double v = 1;
+    for (double s : h) v *= s;
+    return v;
+  }
+  std::array<index, D> face_shape(int axis) const {
+    auto s = shape;
+    s[axis] += 1;
+    return s;
+  }
+  index faces(int axis) const {
+    index n = 1;
+    for (index s : face_shape(axis)) n *= s;
+    return n;
+  }
+  static std::array<index, D> strides(const std::array<index, D>& shape) {
+    std::array<index, D> s{};
+    s[D - 1] = 1;
+    for (int a = D - 2; a >= 0; --a) s[a] = s[a + 1] * shape[a + 1];
+    return s;
+  }
+  static index flat(const std::array<index, D>& i, const std::array<index, D>& stride) {
+    index f = 0;
+    for (int a = 0; a < D; ++a) f += i[a] * stride[a];
+    return f;
+  }
+  static std::array<index, D> unflat(index f, const std::array<index, D>& shape) {
+    std::array<index, D> i{};
+    for (int a = D - 1; a >= 0; --a) {
+      i[a] = f % shape[a];
+      f /= shape[a];
+    }
+    return i;
+  }
+};
+
+template <int D>
+struct Faces {  // the D face fields of one quantity
+  std::array<double*, D> data{};
+  double* operator[](int a) const { return data[a]; }
+};
+
+template <int D>
+struct ConstFaces {
+  std::array<const double*, D> data{};
+  ConstFaces() = default;
+  ConstFaces(const Faces<D>& f) { for (int a = 0; a < D; ++a) data[a] = f[a]; }
+  const double* operator[](int a) const { return data[a]; }
+};
+
+}  // namespace houle

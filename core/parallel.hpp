@@ -1,0 +1,98 @@
+// Parallel loops. The only file that names OpenMP; a GPU build replaces these bodies and nothing else.
+//
+// Loop bodies capture pointers and scalars by value, allocate nothing and throw nothing. Every result is bitwise the
+// same for any number of threads: iterations are independent, and sums are formed over blocks of a fixed size, block
+// by block in order.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+namespace houle {
+
+using index = std::ptrdiff_t;
+
+inline void set_threads([[maybe_unused]] int threads) {
+#ifdef _OPENMP
+  omp_set_num_threads(threads);
+#endif
+}
+
+inline int get_threads() {
+#ifdef _OPENMP
+  return omp_get_max_threads();
+#else
+  return 1;
+#endif
+}
+
+// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this run on one thread.
+template <class Body>
+inline void parallel_for(index n, Body body, [[maybe_unused]] index grain = 1024) {
+#ifdef _OPENMP
+  if (n >= 2 * grain && omp_get_max_threads() > 1) {
+#pragma omp parallel for schedule(static)
+    for (index i = 0; i < n; ++i) body(i);
+    return;
+  }
+#endif
+  for (index i = 0; i < n; ++i) body(i);
+}
+
+// Like parallel_for, for few and heavy iterations (slabs, columns): each is worth a thread.
+template <class Body>
+inline void parallel_for_heavy(index n, Body body) {
+#ifdef _OPENMP
+  if (n > 1 && omp_get_max_threads() > 1) {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (index i = 0; i < n; ++i) body(i);
+    return;
+  }
+#endif
+  for (index i = 0; i < n; ++i) body(i);
+}
+
+// reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.
+template <class Result, class Body, class Combine>
+inline Result parallel_reduce(index n, Result start, Body body, Combine combine) {
+  constexpr index block = 2048;
+  const index blocks = (n + block - 1) / block;
+  if (blocks <= 1) {
+    Result r = start;
+    for (index i = 0; i < n; ++i) r = combine(r, body(i));
+    return r;
+  }
+  std::vector<Result> part(static_cast<std::size_t>(blocks), start);
+  Result* parts = part.data();
+  parallel_for(
+      blocks,
+      [=](index b) {
+        Result r = start;
+        const index end = std::min(n, (b + 1) * block);
+        for (index i = b * block; i < end; ++i) r = combine(r, body(i));
+        parts[b] = r;
+      },
+      4);
+  Result r = start;
+  for (index b = 0; b < blocks; ++b) r = combine(r, parts[b]);
+  return r;
+}
+
+template <class Body>
+inline double parallel_sum(index n, Body body) {
+  return parallel_reduce(n, 0.0, body, [](double a, double b) { return a + b; });
+}
+
+template <class Body>
+inline double parallel_max(index n, Body body) {  // of non-negative values; NaN wins, so that it is seen
+  return parallel_reduce(n, 0.0, body, [](double a, double b) { return (b > a || std::isnan(b)) ? b : a; });
+}
+
+}  // namespace houle

@@ -1,0 +1,71 @@
+"""The Cartesian staggered (MAC) grid: where its cells and faces lie, and arrays that fit it.
+
+The last axis is up. Cell i spans [i h, (i+1) h] along each axis; face i of an axis lies at i h. The spacing is the one
+asked for, changed per axis by the least that makes a whole number of cells fill the domain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle import _core
+
+FloatArray = NDArray[np.float64]
+Faces = list[FloatArray]  # one array per axis, entry i of axis a on the face at i h_a
+
+
+@dataclass(frozen=True)
+class Grid:
+    """shape (d,) cells; spacing (d,) [m]; periodic (d,) whether opposite sides are joined."""
+
+    shape: tuple[int, ...]
+    spacing: tuple[float, ...]
+    periodic: tuple[bool, ...]
+    core: object = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        kind = _core.Grid2 if self.dimension == 2 else _core.Grid3
+        object.__setattr__(self, "core", kind(self.shape, self.spacing, self.periodic))
+
+    @classmethod
+    def fit(cls, size: tuple[float, ...], spacing: float, periodic: tuple[bool, ...] | None = None) -> Grid:
+        """The grid that fills a box of this size [m] with cells as near to the spacing [m] as fit."""
+        shape = tuple(max(1, round(s / spacing)) for s in size)
+        return cls(shape, tuple(s / n for s, n in zip(size, shape, strict=True)), periodic or (False,) * len(size))
+
+    @property
+    def dimension(self) -> int:
+        return len(self.shape)
+
+    @property
+    def size(self) -> tuple[float, ...]:
+        return tuple(n * h for n, h in zip(self.shape, self.spacing, strict=True))
+
+    @property
+    def cell_volume(self) -> float:
+        """[m^d]"""
+        return float(np.prod(self.spacing))
+
+    def face_shape(self, axis: int) -> tuple[int, ...]:
+        return tuple(n + (a == axis) for a, n in enumerate(self.shape))
+
+    def cells(self, value: float = 0.0) -> FloatArray:
+        """A new cell field."""
+        return np.full(self.shape, value)
+
+    def faces(self, value: float = 0.0) -> Faces:
+        """A new face field, one array per axis."""
+        return [np.full(self.face_shape(a), value) for a in range(self.dimension)]
+
+    def axis_points(self, axis: int, on_faces: bool = False) -> FloatArray:
+        """Coordinates [m] of the cell centres, or of the faces, along one axis."""
+        n, h = self.shape[axis], self.spacing[axis]
+        return np.arange(n + 1) * h if on_faces else (np.arange(n) + 0.5) * h
+
+    def points(self, axis: int | None = None) -> FloatArray:
+        """Positions (..., d) [m] of the cell centres, or of the faces of one axis."""
+        lines = [self.axis_points(a, on_faces=a == axis) for a in range(self.dimension)]
+        return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)

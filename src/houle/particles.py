@@ -1,0 +1,33 @@
+"""Water particles: arrays, nothing else. Each carries a water volume, at the Darcy velocity, and moves with u_d / n."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from houle.grid import FloatArray, Grid
+
+
+@dataclass
+class Particles:
+    """position (N, d) [m]; velocity (N, d) Darcy [m/s]; volume (N,) of water [m^d], constant between remeshings."""
+
+    position: FloatArray
+    velocity: FloatArray
+    volume: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.volume)
+
+    @property
+    def total_volume(self) -> float:
+        """[m^d], summed so that the order of the particles does not matter to round-off"""
+        return float(np.sum(np.sort(self.volume)))
+
+
+def lattice(grid: Grid, per_cell: int = 2) -> FloatArray:
+    """Positions (M, d) [m] of per_cell^d particles in every cell, evenly spaced, cell by cell."""
+    offset = (np.arange(per_cell) + 0.5) / per_cell
+    lines = [((np.arange(n)[:, None] + offset) * h).ravel() for n, h in zip(grid.shape, grid.spacing, strict=True)]
+    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, grid.dimension)
