@@ -1,0 +1,59 @@
+"""houle: waves and dam-break flow through porous structures.
+
+    import houle
+
+    run = houle.run("dam-break-rock-35", overrides={"domain.spacing": 0.01})
+    run.surface.eta.sel(time=0.8).plot()
+
+Importing houle is cheap; NumPy and the numerical core are loaded when one of the names below is first used.
+(The code of a run is in `houle.runner`: a module called `houle.run` would take the place of the function.)
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from houle.case import Case, load
+    from houle.errors import CaseError, HouleError, SimulationError
+    from houle.runner import Run, open_run, resume, run
+
+__all__ = ["Case", "CaseError", "HouleError", "Run", "SimulationError", "load", "open_run", "resume", "run"]
+
+_HOME = {
+    "Case": "houle.case",
+    "load": "houle.case",
+    "CaseError": "houle.errors",
+    "HouleError": "houle.errors",
+    "SimulationError": "houle.errors",
+    "Run": "houle.runner",
+    "open_run": "houle.runner",
+    "resume": "houle.runner",
+    "run": "houle.runner",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        value = _version()
+    elif name in _HOME:
+        value = getattr(import_module(_HOME[name]), name)
+    else:
+        raise AttributeError(f"module 'houle' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]
+
+
+def _version() -> str:
+    """The installed version; "unknown" when the sources are on the path and nothing is installed."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("houle")
+    except PackageNotFoundError:
+        return "unknown"
