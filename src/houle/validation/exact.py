@@ -1,0 +1,165 @@
+"""Exact solutions the solver is held against, in NumPy: no dependency beyond the package, no solver of ours inside.
+
+A rigid porous medium of porosity n resists with a u_d + b |u_d| u_d per unit mass and has the inertia coefficient C_r
+(1 without added mass). With the Darcy velocity q = u_d = n u the one-dimensional momentum balance is
+
+    (C_r / n) dq/dt = -(1/rho) dp/dx + G - a q - b |q| q,
+
+and crossing a face between water and the medium keeps p + rho u^2 / 2 (Bernoulli with the pore velocity u = q / n).
+
+References: Engelund (1953), van Gent (1995) for the resistance; Whitham, Linear and Nonlinear Waves (1974) for Ritter and
+Stoker; Tadjbakhsh & Keller, J. Fluid Mech. 8 (1960) 442-451 for the standing wave; Dommermuth & Yue, J. Fluid Mech. 184
+(1987) 267-288 for the fully non-linear one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from houle.grid import FloatArray
+
+
+@dataclass(frozen=True)
+class PorousMedium:
+    """porosity [-], a [1/s] and b [1/m] of the drag a u_d + b |u_d| u_d, inertia C_r [-]."""
+
+    porosity: float
+    a: float
+    b: float
+    inertia: float = 1.0
+
+    @classmethod
+    def van_gent(
+        cls, porosity: float, grain: float, alpha: float, beta: float, added_mass: float = 0.34, viscosity: float = 1e-6
+    ) -> PorousMedium:
+        """Van Gent (1995): a = alpha (1-n)^2/n^3 nu/d^2, b = beta (1-n)/n^3/d, C_r = 1 + gamma (1-n)/n; grain d [m]."""
+        n, solid = porosity, 1.0 - porosity
+        a, b = alpha * solid**2 / n**3 * viscosity / grain**2, beta * solid / n**3 / grain
+        return cls(n, a, b, 1.0 + added_mass * solid / n)
+
+
+def runge_kutta(slope: Callable[[float, FloatArray], FloatArray], start: FloatArray, times: FloatArray) -> FloatArray:
+    """Classical fourth-order Runge-Kutta with the given times (T,) as its steps: states (T, ...)."""
+    states = np.empty((len(times), *np.shape(start)))
+    states[0] = y = np.asarray(start, float)
+    for i, (t, dt) in enumerate(zip(times[:-1], np.diff(times), strict=True)):
+        k1 = slope(t, y)
+        k2 = slope(t + dt / 2, y + dt / 2 * k1)
+        k3 = slope(t + dt / 2, y + dt / 2 * k2)
+        k4 = slope(t + dt, y + dt * k3)
+        states[i + 1] = y = y + dt / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return states
+
+
+def duct_flow(
+    time: FloatArray, medium: PorousMedium, acceleration: float, length: float = 1.0, plug: float | None = None
+) -> FloatArray:
+    """Darcy velocity q(t) [m/s] in a periodic duct of this length [m], driven from rest by a uniform acceleration [m/s2].
+
+    The medium fills the duct, or a plug of this length [m], saturated; clear water resists nothing. Integrated once round
+    the duct the pressure drops out: (L - B + B C_r/n) dq/dt = G L - B (a q + b q^2), a Riccati equation with roots q+, q-.
+    """
+    share = 1.0 if plug is None else plug / length
+    mass = 1.0 - share + share * medium.inertia / medium.porosity
+    a, b, g = share * medium.a, share * medium.b, acceleration
+    if b == 0.0:
+        return g / a * -np.expm1(-a / mass * time) if a > 0.0 else g / mass * time
+    root = np.sqrt(a * a + 4.0 * b * g)
+    rising, falling = (-a + root) / (2.0 * b), (-a - root) / (2.0 * b)
+    decay = np.exp(-root / mass * time)
+    return rising * (1.0 - decay) / (1.0 - rising / falling * decay)
+
+
+def bernoulli_jump(darcy_velocity: float, porosity: float) -> float:
+    """Pressure drop over density [m2/s2] from clear water into a medium, q^2/2 (1/n^2 - 1); regained on the way out."""
+    return 0.5 * darcy_velocity**2 * (1.0 / porosity**2 - 1.0)
+
+
+def column_infiltration(
+    times: FloatArray, medium: PorousMedium, layer: float, gravity: float = 9.81, step: float = 2e-4
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """A water layer [m] standing on a dry porous bed, both surfaces at p = 0, falls into it from t = 0.
+
+    Returns wetted depth s [m], layer left h [m] and Darcy velocity q [m/s] at the times (T,) [s], NaN once the layer is
+    used up. n ds/dt = q, h + n s = layer, and from surface to wetting front
+    (h + C_r s/n) dq/dt = g (h + s) - q^2/2 (1/n^2 - 1) - s (a q + b q^2).
+    """
+    n, a, b, inertia = medium.porosity, medium.a, medium.b, medium.inertia
+
+    def slope(_: float, y: FloatArray) -> FloatArray:
+        s, q = y
+        h = layer - n * s
+        drive = gravity * (h + s) - bernoulli_jump(q, n) - s * (a * q + b * q * abs(q))
+        return np.array([q / n, drive / (h + inertia * s / n)])
+
+    fine = np.linspace(0.0, times[-1], max(2, round(times[-1] / step) + 1))
+    s, q = runge_kutta(slope, np.zeros(2), fine).T
+    left = layer - n * s
+    s, q, left = (np.where(left > 0.0, v, np.nan) for v in (s, q, left))
+    return np.interp(times, fine, s), np.interp(times, fine, left), np.interp(times, fine, q)
+
+
+def ritter(position: FloatArray, time: float, depth: float, gravity: float = 9.81) -> FloatArray:
+    """Water depth [m] of a shallow-water dam break on a dry bed, dam at x = 0, reservoir of this depth on x < 0."""
+    c = np.sqrt(gravity * depth)
+    fan = (2.0 * c - position / time) ** 2 / (9.0 * gravity)
+    return np.where(position <= -c * time, depth, np.where(position >= 2.0 * c * time, 0.0, fan))
+
+
+def stoker(position: FloatArray, time: float, depth: float, tail: float, gravity: float = 9.81) -> FloatArray:
+    """Water depth [m] of a shallow-water dam break onto a wet bed of depth `tail` [m] < depth: rarefaction, plateau, bore."""
+    c = np.sqrt(gravity * depth)
+
+    def excess(middle: float) -> float:
+        """Velocity behind the bore (Rankine-Hugoniot) less the one at the foot of the rarefaction (u + 2c constant)."""
+        bore = (middle - tail) * np.sqrt(gravity * (middle + tail) / (2.0 * middle * tail))
+        return float(bore - 2.0 * (c - np.sqrt(gravity * middle)))
+
+    middle = _bisect(excess, tail, depth)
+    c_m = np.sqrt(gravity * middle)
+    u_m = 2.0 * (c - c_m)
+    bore = middle * u_m / (middle - tail) * time
+    fan = (2.0 * c - position / time) ** 2 / (9.0 * gravity)
+    inside = np.where(position <= (u_m - c_m) * time, fan, np.where(position <= bore, middle, tail))
+    return np.where(position <= -c * time, depth, inside)
+
+
+def dispersion(wave_number: float, depth: float, gravity: float = 9.81) -> float:
+    """Angular frequency [rad/s] of a small wave: omega^2 = g k tanh(k d)."""
+    return float(np.sqrt(gravity * wave_number * np.tanh(wave_number * depth)))
+
+
+def wave_number(frequency: float, depth: float, gravity: float = 9.81) -> float:
+    """[rad/m] of a small wave of this angular frequency [rad/s]: Newton on omega^2 = g k tanh(k d), to round-off."""
+    target = frequency**2 / gravity
+    k = target / np.sqrt(np.tanh(target * depth))
+    for _ in range(50):
+        t = np.tanh(k * depth)
+        change = (k * t - target) / (t + k * depth * (1.0 - t * t))
+        k -= change
+        if abs(change) < 1e-15 * k:
+            break
+    return float(k)
+
+
+def standing_wave_frequency(amplitude: float, wave_number: float, depth: float, gravity: float = 9.81) -> float:
+    """Angular frequency [rad/s] of a periodic standing wave, third order (Tadjbakhsh & Keller 1960).
+
+    With w0^2 = tanh kd: omega = sqrt(g k) (w0 + (k a)^2/64 (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5)). Deep water: 1 - (ka)^2/8;
+    the sign turns at kd = 1.06, shallower waves are faster than small ones. A wave released at rest from a cosine is not
+    periodic (it carries a free second mode): `NonlinearStandingWave` has that one.
+    """
+    w = np.sqrt(np.tanh(wave_number * depth))
+    correction = (9.0 * w**-7 - 12.0 * w**-3 - 3.0 * w - 2.0 * w**5) / 64.0
+    return float(np.sqrt(gravity * wave_number) * (w + (wave_number * amplitude) ** 2 * correction))
+
+
+def _bisect(function: Callable[[float], float], low: float, high: float) -> float:
+    """The root of an increasing function between low and high, to round-off."""
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if function(middle) < 0.0 else (low, middle)
+    return 0.5 * (low + high)
