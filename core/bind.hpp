@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -57,6 +58,7 @@ inline void require_size(std::size_t size, index n, const char* name) {
 // each bind_*.cpp fills the module for D = 2 and D = 3 (overloads told apart by Grid2 / Grid3)
 void bind_poisson(nb::module_& m);
 void bind_transfer(nb::module_& m);
+void bind_flow(nb::module_& m);
 void bind_remesh(nb::module_& m);
 void bind_sph(nb::module_& m);
 

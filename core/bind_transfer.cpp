@@ -1,7 +1,134 @@
+// Bindings of transfer.hpp: sorting, scatter, gather, by kernel name.
 #include "bind.hpp"
+#include "transfer.hpp"
 
 namespace houle {
 
-void bind_transfer(nb::module_&) {}
+using Field = Array<double>;
+using OptionalField = std::optional<Array<double>>;
+
+static const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
+
+// Calls f with the kernel of that name as a value.
+template <class F>
+static void with_kernel(const std::string& name, F f) {
+  if (name == "linear") return f(LinearKernel{});
+  if (name == "quadratic") return f(QuadraticKernel{});
+  if (name == "m4prime") return f(M4PrimeKernel{});
+  if (name == "gaussian") return f(GaussianKernel{});
+  if (name == "gaussian-taylor2") return f(GaussianTaylorKernel{});
+  if (name == "gaussian-cell") return f(GaussianCellKernel{});
+  throw std::invalid_argument("unknown transfer kernel " + name);
+}
+
+template <int D>
+static Cloud<D> cloud_of(const Grid<D>& g, const Field& x, const OptionalField& side, const Field& mass,
+                         const Array<std::int64_t>& start) {
+  const index n = points_of<D>(x, "position");
+  require_size(mass.size(), n, "mass");
+  require_size(start.size(), g.cells() + 1, "start");
+  if (side) require_size(side->size(), n, "side");
+  return {n, x.data(), pointer(side), mass.data(), start.data()};
+}
+
+template <int D>
+static void bind(nb::module_& m) {
+  using G = const Grid<D>&;
+  m.def(
+      "cell_sort",
+      [](G g, Field x, Array<std::int64_t> cell, Array<std::int64_t> order, Array<std::int64_t> start) {
+        const index n = points_of<D>(x, "position");
+        require_size(cell.size(), n, "cell");
+        require_size(order.size(), n, "order");
+        require_size(start.size(), g.cells() + 1, "start");
+        nb::gil_scoped_release release;
+        cell_sort<D>(g, n, x.data(), cell.data(), order.data(), start.data());
+      },
+      "grid"_a, "position"_a, "cell"_a, "order"_a, "start"_a,
+      "Stable order of the particles by cell: order (N,), start (cells + 1,); cell (N,) is work space.");
+  m.def(
+      "scatter_cells",
+      [](G g, Array<std::int64_t> start, Field x, Field amount, Field out) {
+        const index n = points_of<D>(x, "position");
+        require_size(amount.size(), n, "amount");
+        require_size(start.size(), g.cells() + 1, "start");
+        require_cells(g, out.size(), "out");
+        nb::gil_scoped_release release;
+        scatter_cells<D>(g, start.data(), x.data(), amount.data(), out.data());
+      },
+      "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a, "Tent-weighted sums of a particle amount at cell centres.");
+  m.def(
+      "gather_cells",
+      [](G g, Field x, Field field, Field out) {
+        const index n = points_of<D>(x, "position");
+        require_cells(g, field.size(), "field");
+        require_size(out.size(), n, "out");
+        nb::gil_scoped_release release;
+        gather_cells<D>(g, n, x.data(), field.data(), out.data());
+      },
+      "grid"_a, "position"_a, "field"_a, "out"_a, "A cell field at the particles, linear.");
+  m.def(
+      "to_faces",
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start, Field u,
+         OptionalField affine, std::vector<Field> velocity, std::vector<Field> face_mass) {
+        const auto cloud = cloud_of<D>(g, x, side, mass, start);
+        require_size(u.size(), cloud.n * D, "velocity");
+        if (affine) require_size(affine->size(), cloud.n * D * D, "affine");
+        const auto v = faces_of(g, velocity, "velocity"), fm = faces_of(g, face_mass, "face mass");
+        nb::gil_scoped_release release;
+        with_kernel(kernel, [&](auto k) { to_faces<decltype(k), D>(g, cloud, u.data(), pointer(affine), v, fm); });
+      },
+      "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "affine"_a.none(), "velocity"_a,
+      "face_mass"_a, "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
+  m.def(
+      "add_residual",
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start, Field u,
+         std::vector<Field> face_mass, std::vector<Field> velocity, std::vector<Field> work) {
+        const auto cloud = cloud_of<D>(g, x, side, mass, start);
+        require_size(u.size(), cloud.n * D, "velocity");
+        const auto fm = faces_of(g, face_mass, "face mass"), v = faces_of(g, velocity, "velocity"),
+                   w = faces_of(g, work, "work");
+        nb::gil_scoped_release release;
+        with_kernel(kernel, [&](auto k) { add_residual<decltype(k), D>(g, cloud, u.data(), ConstFaces<D>(fm), v, w); });
+      },
+      "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "face_mass"_a, "velocity"_a,
+      "work"_a, "One more term of the full-mass-matrix transfer FMPM(k).");
+  m.def(
+      "to_particles",
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start,
+         std::vector<Field> now, std::vector<Field> change, std::vector<Field> drag, double flip, Field u) {
+        const auto cloud = cloud_of<D>(g, x, side, mass, start);
+        require_size(u.size(), cloud.n * D, "velocity");
+        const auto v = faces_of(g, now, "velocity");
+        Faces<D> dv, dr;
+        if (flip > 0.0) {
+          dv = faces_of(g, change, "change");
+          dr = faces_of(g, drag, "drag");
+        }
+        nb::gil_scoped_release release;
+        with_kernel(kernel, [&](auto k) {
+          to_particles<decltype(k), D>(g, cloud, ConstFaces<D>(v), ConstFaces<D>(dv), ConstFaces<D>(dr), flip, u.data());
+        });
+      },
+      "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "now"_a, "change"_a, "drag"_a, "flip"_a,
+      "u"_a, "Particle velocities from the faces: PIC (flip = 0) or a FLIP blend.");
+  m.def(
+      "affine_from",
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start,
+         std::vector<Field> velocity, Field affine) {
+        const auto cloud = cloud_of<D>(g, x, side, mass, start);
+        require_size(affine.size(), cloud.n * D * D, "affine");
+        const auto v = faces_of(g, velocity, "velocity");
+        nb::gil_scoped_release release;
+        with_kernel(kernel, [&](auto k) { affine_from<decltype(k), D>(g, cloud, ConstFaces<D>(v), affine.data()); });
+      },
+      "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "velocity"_a, "affine"_a,
+      "APIC's velocity gradient at the particles.");
+}
+
+void bind_transfer(nb::module_& m) {
+  bind<2>(m);
+  bind<3>(m);
+}
 
 }  // namespace houle

@@ -30,6 +30,7 @@ NB_MODULE(_core, m) {
   m.def("get_threads", &get_threads);
   bind_poisson(m);
   bind_transfer(m);
+  bind_flow(m);
   bind_remesh(m);
   bind_sph(m);
 }

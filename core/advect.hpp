@@ -1,0 +1,177 @@
+// Moving the particles: with the pore velocity u_d / n, along the correction, and never through walls, gates or solids.
+#pragma once
+
+#include "cells.hpp"
+
+namespace houle {
+
+// A plate across the tank at face `face` of the first axis, its lower edge at height `bottom` [m].
+struct Gate {
+  double x;
+  double bottom;
+};
+
+// What stops a particle: domain walls, gates, solids (signed distance at the grid's nodes, null if there are none).
+template <int D>
+struct Obstacles {
+  const double* distance = nullptr;
+  const Gate* gates = nullptr;
+  int gate_count = 0;
+};
+
+// Signed distance to the solids at a point and its gradient, (bi/tri)linear from the nodes.
+template <int D>
+inline double solid_distance(const Grid<D>& g, const double* node_distance, const double* x, double* gradient) {
+  std::array<index, D> shape = g.shape, base{};
+  for (int a = 0; a < D; ++a) shape[a] += 1;
+  const auto stride = Grid<D>::strides(shape);
+  double f[D];
+  for (int a = 0; a < D; ++a) {
+    const double s = x[a] / g.h[a];
+    index i = static_cast<index>(std::floor(s));
+    i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
+    base[a] = i;
+    f[a] = s - static_cast<double>(i);
+    gradient[a] = 0.0;
+  }
+  double value = 0.0;
+  for (int corner = 0; corner < (1 << D); ++corner) {
+    index at = 0;
+    double w = 1.0;
+    for (int a = 0; a < D; ++a) {
+      const int up = (corner >> a) & 1;
+      at += (base[a] + up) * stride[a];
+      w *= up ? f[a] : 1.0 - f[a];
+    }
+    value += w * node_distance[at];
+    for (int a = 0; a < D; ++a) {
+      double slope = ((corner >> a) & 1) ? 1.0 / g.h[a] : -1.0 / g.h[a];
+      for (int b = 0; b < D; ++b)
+        if (b != a) slope *= ((corner >> b) & 1) ? f[b] : 1.0 - f[b];
+      gradient[a] += slope * node_distance[at];
+    }
+  }
+  return value;
+}
+
+// Brings a particle that went from `from` to x back into the water's room.
+template <int D>
+inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const double* from, double* x) {
+  for (int k = 0; k < obstacles.gate_count; ++k) {
+    const Gate& gate = obstacles.gates[k];
+    const bool left = from[0] < gate.x;
+    if (left != (x[0] < gate.x) && x[D - 1] > gate.bottom) x[0] = gate.x + (left ? -1e-9 : 1e-9) * g.h[0];
+  }
+  if (obstacles.distance) {
+    double normal[D];
+    const double d = solid_distance(g, obstacles.distance, x, normal);
+    if (d < 0.0) {
+      double length2 = 0.0;
+      for (int a = 0; a < D; ++a) length2 += normal[a] * normal[a];
+      if (length2 > 1e-12)
+        for (int a = 0; a < D; ++a) x[a] -= d * normal[a] / length2;
+    }
+  }
+  for (int a = 0; a < D; ++a) {
+    const double length = g.shape[a] * g.h[a];
+    if (g.periodic[a]) {
+      x[a] -= length * std::floor(x[a] / length);
+      if (x[a] >= length) x[a] = 0.0;
+    } else {
+      const double margin = 1e-9 * g.h[a];
+      x[a] = x[a] < margin ? margin : (x[a] > length - margin ? length - margin : x[a]);
+    }
+  }
+}
+
+// x += dt u_d(x_mid) / n(x_mid), x_mid = x + dt/2 u_d(x) / n(x): the midpoint rule (17). porosity (cells) null: 1.
+template <int D>
+inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* porosity, const Obstacles<D>& obstacles,
+                 double dt, double* x) {
+  std::array<std::array<index, D>, D> stride;
+  for (int a = 0; a < D; ++a) stride[a] = Grid<D>::strides(g.face_shape(a));
+  const auto cell_stride = Grid<D>::strides(g.shape);
+  parallel_for(n, [=](index p) {
+    double from[D], at[D], v[D];
+    for (int a = 0; a < D; ++a) from[a] = at[a] = x[D * p + a];
+    for (int stage = 0; stage < 2; ++stage) {
+      double slow = 1.0;
+      if (porosity) {
+        Stencil<LinearKernel, D> st;
+        st.set(g, -1, at, 0.0);
+        slow = 0.0;
+        st.each(cell_stride, [&slow, porosity](index f, double w, double) { slow += w * porosity[f]; });
+      }
+      for (int a = 0; a < D; ++a) v[a] = at_particle<LinearKernel, D>(g, a, at, 0.0, u[a], stride[a]) / slow;
+      for (int a = 0; a < D; ++a) at[a] = from[a] + (stage ? dt : 0.5 * dt) * v[a];
+      keep_inside(g, obstacles, from, at);
+    }
+    for (int a = 0; a < D; ++a) x[D * p + a] = at[a];
+  });
+}
+
+// The excess of each active cell that the position correction spreads: omega n E, E = clip(F - 1, +-0.25); next to
+// air only an excess counts, since a deficit there is the surface itself. For -div grad psi = rhs / dt-free units.
+template <int D>
+inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const double* fill, const double* open,
+                           const double* porosity, double omega, double* rhs) {
+  const auto stride = Grid<D>::strides(g.shape);
+  parallel_for(g.cells(), [=](index c) {
+    rhs[c] = 0.0;
+    if (!active[c]) return;
+    const auto i = Grid<D>::unflat(c, g.shape);
+    bool inner = true;
+    index neighbours = 1;
+    for (int a = 0; a < D; ++a) neighbours *= 3;
+    for (index q = 0; q < neighbours && inner; ++q) {
+      index n = 0, code = q;
+      bool outside = false;
+      for (int a = 0; a < D; ++a) {
+        index j = i[a] + code % 3 - 1;
+        code /= 3;
+        if (g.periodic[a]) j = (j + g.shape[a]) % g.shape[a];
+        outside = outside || j < 0 || j >= g.shape[a];
+        n += j * stride[a];
+      }
+      if (!outside && !active[n] && open[n] > 0.0) inner = false;
+    }
+    double excess = fill[c] - 1.0;
+    if (!inner && excess < 0.0) excess = 0.0;
+    excess = excess > 0.25 ? 0.25 : (excess < -0.25 ? -0.25 : excess);
+    rhs[c] = omega * (porosity ? porosity[c] : 1.0) * excess;
+  });
+}
+
+// x += displacement(x) / n(x), each component at most `limit` cells. displacement: Darcy displacement on faces [m].
+// shift (n, D) receives what each particle was moved.
+template <int D>
+inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const double* porosity,
+                     const Obstacles<D>& obstacles, double limit, double* x, double* shift) {
+  std::array<std::array<index, D>, D> stride;
+  for (int a = 0; a < D; ++a) stride[a] = Grid<D>::strides(g.face_shape(a));
+  const auto cell_stride = Grid<D>::strides(g.shape);
+  parallel_for(n, [=](index p) {
+    double from[D], at[D];
+    double slow = 1.0;
+    for (int a = 0; a < D; ++a) from[a] = x[D * p + a];
+    if (porosity) {
+      Stencil<LinearKernel, D> st;
+      st.set(g, -1, from, 0.0);
+      slow = 0.0;
+      st.each(cell_stride, [&slow, porosity](index f, double w, double) { slow += w * porosity[f]; });
+    }
+    for (int a = 0; a < D; ++a) {
+      double d = at_particle<LinearKernel, D>(g, a, from, 0.0, displacement[a], stride[a]) / slow;
+      const double most = limit * g.h[a];
+      d = d > most ? most : (d < -most ? -most : d);
+      at[a] = from[a] + d;
+    }
+    keep_inside(g, obstacles, from, at);
+    for (int a = 0; a < D; ++a) {
+      x[D * p + a] = at[a];
+      shift[D * p + a] = at[a] - from[a];
+    }
+  });
+}
+
+}  // namespace houle

@@ -1,0 +1,169 @@
+// Bindings of surface.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving particles.
+#include "advect.hpp"
+#include "bind.hpp"
+
+namespace houle {
+
+using Field = Array<double>;
+using Mask = Array<std::uint8_t>;
+using OptionalField = std::optional<Field>;
+using FaceFields = std::vector<Field>;  // empty: null
+
+static const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
+
+template <int D>
+static ConstFaces<D> optional_faces(const Grid<D>& g, FaceFields& f, const char* name) {
+  return f.empty() ? ConstFaces<D>() : ConstFaces<D>(faces_of(g, f, name));
+}
+
+template <int D>
+static std::array<std::uint8_t*, D> masks_of(const Grid<D>& g, std::vector<Mask>& f) {
+  if (f.size() != D) throw std::invalid_argument("masks need one array per axis");
+  std::array<std::uint8_t*, D> out;
+  for (int a = 0; a < D; ++a) {
+    require_size(f[a].size(), g.faces(a), "mask");
+    out[a] = f[a].data();
+  }
+  return out;
+}
+
+template <int D>
+static Obstacles<D> obstacles_of(const Grid<D>& g, const OptionalField& distance, const Field& gates) {
+  if (distance) {
+    index nodes = 1;
+    for (index s : g.shape) nodes *= s + 1;
+    require_size(distance->size(), nodes, "solid distance");
+  }
+  static_assert(sizeof(Gate) == 2 * sizeof(double));
+  return {pointer(distance), reinterpret_cast<const Gate*>(gates.data()), static_cast<int>(gates.size() / 2)};
+}
+
+template <int D>
+static void bind(nb::module_& m) {
+  using G = const Grid<D>&;
+  m.def(
+      "find_surface",
+      [](G g, Field fill, Field open, bool columns, Field depth, Mask active, Field column, Field eta) {
+        require_cells(g, fill.size(), "fill");
+        require_cells(g, open.size(), "open");
+        require_cells(g, depth.size(), "depth");
+        require_cells(g, active.size(), "active");
+        require_size(column.size(), g.cells() / g.shape[D - 1], "column");
+        require_size(eta.size(), g.cells() / g.shape[D - 1], "eta");
+        nb::gil_scoped_release release;
+        find_surface<D>(g, fill.data(), open.data(), columns, depth.data(), active.data(), column.data(), eta.data());
+      },
+      "grid"_a, "fill"_a, "open"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
+      "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
+  m.def(
+      "apply_forces",
+      [](G g, FaceFields u, FaceFields inertia, FaceFields darcy, FaceFields forchheimer, OptionalField inverse_n2,
+         std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star, FaceFields drag,
+         FaceFields mobility) {
+        Resistance<D> r{optional_faces(g, inertia, "inertia"), optional_faces(g, darcy, "darcy"),
+                        optional_faces(g, forchheimer, "forchheimer"), pointer(inverse_n2)};
+        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        const auto ex = optional_faces(g, extra, "extra");
+        const auto s = faces_of(g, star, "star"), d = faces_of(g, drag, "drag"), b = faces_of(g, mobility, "mobility");
+        nb::gil_scoped_release release;
+        apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b);
+      },
+      "grid"_a, "u"_a, "inertia"_a, "darcy"_a, "forchheimer"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
+      "star"_a, "drag"_a, "mobility"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
+  m.def(
+      "pressure_system",
+      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, FaceFields star, double least,
+         FaceFields k, Field e, Field rhs) {
+        require_cells(g, active.size(), "active");
+        require_cells(g, depth.size(), "depth");
+        require_cells(g, e.size(), "e");
+        require_cells(g, rhs.size(), "rhs");
+        const auto o = ConstFaces<D>(faces_of(g, open, "open"));
+        const auto mo = optional_faces(g, mobility, "mobility"), st = optional_faces(g, star, "star");
+        const auto kk = faces_of(g, k, "k");
+        nb::gil_scoped_release release;
+        pressure_system<D>(g, active.data(), depth.data(), o, mo, st, least, kk, e.data(), rhs.data());
+      },
+      "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "star"_a, "least"_a, "k"_a, "e"_a, "rhs"_a,
+      "Coefficients and right-hand side of the pressure system at the sub-cell surface.");
+  m.def(
+      "project",
+      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, Field p, double least, FaceFields u,
+         std::vector<Mask> valid) {
+        require_cells(g, active.size(), "active");
+        require_cells(g, depth.size(), "depth");
+        require_cells(g, p.size(), "pressure");
+        const auto o = ConstFaces<D>(faces_of(g, open, "open"));
+        const auto mo = optional_faces(g, mobility, "mobility");
+        const auto uu = faces_of(g, u, "velocity");
+        const auto v = masks_of(g, valid);
+        nb::gil_scoped_release release;
+        project<D>(g, active.data(), depth.data(), o, mo, p.data(), least, uu, v);
+      },
+      "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "pressure"_a, "least"_a, "u"_a, "valid"_a,
+      "Takes the pressure gradient off the faces of the water, in place.");
+  m.def(
+      "max_divergence",
+      [](G g, Mask active, FaceFields open, FaceFields u) {
+        require_cells(g, active.size(), "active");
+        const auto o = ConstFaces<D>(faces_of(g, open, "open")), uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        nb::gil_scoped_release release;
+        return max_divergence<D>(g, active.data(), o, uu);
+      },
+      "grid"_a, "active"_a, "open"_a, "u"_a);
+  m.def(
+      "extrapolate",
+      [](G g, int layers, int near, FaceFields mass, double keep_mass, FaceFields u, std::vector<Mask> known) {
+        const auto mm = optional_faces(g, mass, "mass");
+        const auto uu = faces_of(g, u, "velocity");
+        const auto k = masks_of(g, known);
+        nb::gil_scoped_release release;
+        extrapolate<D>(g, layers, near, mm, keep_mass, uu, k);
+      },
+      "grid"_a, "layers"_a, "near"_a, "mass"_a, "keep_mass"_a, "u"_a, "known"_a,
+      "Carries known face velocities outwards by averaging, layer by layer.");
+  m.def(
+      "move",
+      [](G g, FaceFields u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x) {
+        const index n = points_of<D>(x, "position");
+        if (porosity) require_cells(g, porosity->size(), "porosity");
+        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        const auto obstacles = obstacles_of<D>(g, distance, gates);
+        nb::gil_scoped_release release;
+        move<D>(g, n, uu, pointer(porosity), obstacles, dt, x.data());
+      },
+      "grid"_a, "u"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "dt"_a, "position"_a,
+      "Moves the particles with the pore velocity, midpoint rule.");
+  m.def(
+      "density_excess",
+      [](G g, Mask active, Field fill, Field open, OptionalField porosity, double omega, Field rhs) {
+        require_cells(g, active.size(), "active");
+        require_cells(g, fill.size(), "fill");
+        require_cells(g, open.size(), "open");
+        require_cells(g, rhs.size(), "rhs");
+        nb::gil_scoped_release release;
+        density_excess<D>(g, active.data(), fill.data(), open.data(), pointer(porosity), omega, rhs.data());
+      },
+      "grid"_a, "active"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
+      "Right-hand side of the position correction: the share of each cell's excess fill to be spread.");
+  m.def(
+      "displace",
+      [](G g, FaceFields displacement, OptionalField porosity, OptionalField distance, Field gates, double limit,
+         Field x, Field shift) {
+        const index n = points_of<D>(x, "position");
+        require_size(shift.size(), n * D, "shift");
+        const auto dd = ConstFaces<D>(faces_of(g, displacement, "displacement"));
+        const auto obstacles = obstacles_of<D>(g, distance, gates);
+        nb::gil_scoped_release release;
+        displace<D>(g, n, dd, pointer(porosity), obstacles, limit, x.data(), shift.data());
+      },
+      "grid"_a, "displacement"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "limit"_a, "position"_a,
+      "shift"_a, "Moves the particles along a displacement given on the faces.");
+}
+
+void bind_flow(nb::module_& m) {
+  bind<2>(m);
+  bind<3>(m);
+}
+
+}  // namespace houle

@@ -1,0 +1,257 @@
+// Particles to grid and back.
+//
+// Particles are sorted by cell (cell_sort). Scattering runs over slabs of columns along the first axis in two colours,
+// so that no two slabs of one colour reach the same node: the order of every sum is fixed, whatever the threads.
+#pragma once
+
+#include "kernels.hpp"
+
+namespace houle {
+
+template <int D>
+inline index cell_of(const Grid<D>& g, const double* x) {
+  index f = 0;
+  for (int a = 0; a < D; ++a) {
+    index i = static_cast<index>(std::floor(x[a] / g.h[a]));
+    i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
+    f = f * g.shape[a] + i;
+  }
+  return f;
+}
+
+// Stable counting sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell.
+// cell (n,) is work space. Serial in the histogram, which is memory-light; the permutation itself is parallel.
+template <int D>
+inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int64_t* cell, std::int64_t* order,
+                      std::int64_t* start) {
+  const index cells = g.cells();
+  parallel_for(n, [=](index p) { cell[p] = cell_of<D>(g, x + D * p); });
+  std::fill(start, start + cells + 1, 0);
+  for (index p = 0; p < n; ++p) ++start[cell[p] + 1];
+  for (index c = 0; c < cells; ++c) start[c + 1] += start[c];
+  for (index p = 0; p < n; ++p) order[start[cell[p]]++] = p;
+  for (index c = cells; c > 0; --c) start[c] = start[c - 1];
+  start[0] = 0;
+}
+
+// Runs slab(p_begin, p_end) over all particles, each slab of columns once, neighbours never at the same time.
+template <int D, class Slab>
+inline void each_slab(const Grid<D>& g, const std::int64_t* start, Slab slab) {
+  constexpr index columns = 8;  // at least twice the reach of the widest kernel
+  const index nx = g.shape[0], plane = g.cells() / nx, slabs = std::max<index>(1, nx / columns);
+  const auto range = [=](index s) {
+    const index a = s * columns, b = s == slabs - 1 ? nx : (s + 1) * columns;
+    slab(start[a * plane], start[b * plane]);
+  };
+  const index paired = g.periodic[0] && slabs % 2 == 1 ? slabs - 1 : slabs;  // the odd one out wraps onto the first
+  parallel_for_heavy((paired + 1) / 2, [=](index k) { range(2 * k); });
+  parallel_for_heavy(paired / 2, [=](index k) { range(2 * k + 1); });
+  if (paired < slabs) range(slabs - 1);
+}
+
+// On a periodic axis the last face is the first.
+template <int D>
+inline void close_periodic(const Grid<D>& g, const Faces<D>& f) {
+  for (int a = 0; a < D; ++a) {
+    if (!g.periodic[a]) continue;
+    const auto shape = g.face_shape(a);
+    const auto stride = Grid<D>::strides(shape);
+    const index n = g.faces(a) / shape[a];
+    double* data = f[a];
+    const index inner = stride[a], outer = stride[a] * shape[a], jump = g.shape[a] * stride[a];
+    parallel_for(n, [=](index k) {
+      const index base = (k / inner) * outer + k % inner;
+      data[base + jump] = data[base];
+    });
+  }
+}
+
+// Sums over particles of weight * amount to cell centres with the tent kernel, walls folded: out (cells), overwritten.
+template <int D>
+inline void scatter_cells(const Grid<D>& g, const std::int64_t* start, const double* x, const double* amount,
+                          double* out) {
+  const auto stride = Grid<D>::strides(g.shape);
+  parallel_for(g.cells(), [=](index c) { out[c] = 0.0; });
+  each_slab(g, start, [=](index begin, index end) {
+    for (index p = begin; p < end; ++p) {
+      Stencil<LinearKernel, D> st;
+      st.set(g, -1, x + D * p, 0.0);
+      const double v = amount[p];
+      st.each(stride, [=](index f, double w, double) { out[f] += w * v; });
+    }
+  });
+}
+
+// Cell field at particle positions, (bi/tri)linear with walls folded: out (n,).
+template <int D>
+inline void gather_cells(const Grid<D>& g, index n, const double* x, const double* field, double* out) {
+  const auto stride = Grid<D>::strides(g.shape);
+  parallel_for(n, [=](index p) {
+    Stencil<LinearKernel, D> st;
+    st.set(g, -1, x + D * p, 0.0);
+    double v = 0.0;
+    st.each(stride, [&v, field](index f, double w, double) { v += w * field[f]; });
+    out[p] = v;
+  });
+}
+
+// What a transfer knows of the particles: positions (n, D), edge length `side` (n,) [m] for the Gaussians (may be null
+// for other kernels), mass (n,) the weight of the momentum, V/n.
+template <int D>
+struct Cloud {
+  index n;
+  const double* x;
+  const double* side;
+  const double* mass;
+  const std::int64_t* start;
+  double edge(index p) const { return side ? side[p] : 0.0; }
+};
+
+// Mass-weighted mean velocity of the faces, (1/m_f) sum_p m_p w_fp u_p, and the face masses m_f = sum_p m_p w_fp [m^d].
+// affine (n, D, D) or null: APIC's velocity gradient, u_p + C_p (x_f - x_p). Faces without mass get 0.
+template <class K, int D>
+inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, const double* affine, Faces<D> velocity,
+                     Faces<D> mass) {
+  for (int a = 0; a < D; ++a) {
+    double *m = mass[a], *v = velocity[a];
+    const auto stride = Grid<D>::strides(g.face_shape(a));
+    parallel_for(g.faces(a), [=](index f) { m[f] = v[f] = 0.0; });
+    each_slab(g, cloud.start, [=](index begin, index end) {
+      for (index p = begin; p < end; ++p) {
+        Stencil<K, D> st;
+        st.set(g, a, cloud.x + D * p, cloud.edge(p));
+        double scale = cloud.mass[p];
+        if constexpr (!K::normalised) {
+          double sum = 0.0;
+          st.each(stride, [&sum](index, double w, double) { sum += w; });
+          scale /= sum;
+        }
+        const double up = u[D * p + a];
+        if (!affine) {
+          const double mu = scale * up;
+          st.each(stride, [=](index f, double w, double s) {
+            m[f] += w * scale;
+            v[f] += w * s * mu;
+          });
+        } else {
+          const double *C = affine + D * D * p + D * a, *x = cloud.x + D * p;
+          st.each(stride, [=](index f, double w, double s) {
+            const auto i = Grid<D>::unflat(f, g.face_shape(a));
+            double value = up;
+            for (int b = 0; b < D; ++b) value += C[b] * ((i[b] + (b == a ? 0.0 : 0.5)) * g.h[b] - x[b]);
+            m[f] += w * scale;
+            v[f] += w * s * scale * value;
+          });
+        }
+      }
+    });
+    parallel_for(g.faces(a), [=](index f) { v[f] = m[f] > 0.0 ? v[f] / m[f] : 0.0; });
+  }
+  close_periodic(g, mass);
+  close_periodic(g, velocity);
+}
+
+// Interpolation of the face velocity of axis a to one particle.
+template <class K, int D>
+inline double at_particle(const Grid<D>& g, int a, const double* x, double side, const double* field,
+                          const std::array<index, D>& stride) {
+  Stencil<K, D> st;
+  st.set(g, a, x, side);
+  double value = 0.0, sum = 0.0;
+  st.each(stride, [&](index f, double w, double s) {
+    value += w * s * field[f];
+    if constexpr (!K::normalised) sum += w;
+  });
+  if constexpr (!K::normalised) value /= sum;
+  return value;
+}
+
+// One term of the full-mass-matrix transfer, FMPM(k) (Nairn & Hammerquist 2021; XPIC, Hammerquist & Nairn 2017):
+// velocity += (1/m_f) sum_p m_p w_fp (u_p - (interpolated velocity)_p). Repeated, it converges to the velocity whose
+// interpolation is nearest to the particles' in the mass-weighted norm: the conservative l2 projection (Maljaars 2018).
+template <class K, int D>
+inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* u, ConstFaces<D> mass, Faces<D> velocity,
+                         Faces<D> work) {
+  for (int a = 0; a < D; ++a) {
+    double *r = work[a], *v = velocity[a];
+    const double* m = mass[a];
+    const auto stride = Grid<D>::strides(g.face_shape(a));
+    parallel_for(g.faces(a), [=](index f) { r[f] = 0.0; });
+    each_slab(g, cloud.start, [=](index begin, index end) {
+      for (index p = begin; p < end; ++p) {
+        Stencil<K, D> st;
+        st.set(g, a, cloud.x + D * p, cloud.edge(p));
+        double value = 0.0, sum = 0.0;
+        st.each(stride, [&](index f, double w, double s) {
+          value += w * s * v[f];
+          sum += w;
+        });
+        if constexpr (!K::normalised) value /= sum;
+        double mr = cloud.mass[p] * (u[D * p + a] - value);
+        if constexpr (!K::normalised) mr /= sum;
+        st.each(stride, [=](index f, double w, double s) { r[f] += w * s * mr; });
+      }
+    });
+    parallel_for(g.faces(a), [=](index f) { if (m[f] > 0.0) v[f] += r[f] / m[f]; });
+  }
+  close_periodic(g, velocity);
+}
+
+// Particle velocities from the grid: u_p = flip (I[drag] u_p + I[change]) + (1 - flip) I[now].
+// flip = 0 is PIC (and FMPM), and needs no change and drag. change: what forces and pressure added to each face,
+// now - drag * old, where drag is the factor by which the implicit resistance has scaled the old velocity.
+template <class K, int D>
+inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> now, ConstFaces<D> change,
+                         ConstFaces<D> drag, double flip, double* u) {
+  for (int a = 0; a < D; ++a) {
+    const auto stride = Grid<D>::strides(g.face_shape(a));
+    const double *vn = now[a], *dv = change[a], *dr = drag[a];
+    parallel_for(cloud.n, [=](index p) {
+      Stencil<K, D> st;
+      st.set(g, a, cloud.x + D * p, cloud.edge(p));
+      double value = 0.0, added = 0.0, factor = 0.0, sum = 0.0;
+      st.each(stride, [&](index f, double w, double s) {
+        value += w * s * vn[f];
+        if (flip > 0.0) {
+          added += w * s * dv[f];
+          factor += w * dr[f];
+        }
+        if constexpr (!K::normalised) sum += w;
+      });
+      if constexpr (!K::normalised) {
+        value /= sum;
+        added /= sum;
+        factor /= sum;
+      }
+      double& up = u[D * p + a];
+      up = flip > 0.0 ? flip * (factor * up + added) + (1.0 - flip) * value : value;
+    });
+  }
+}
+
+// APIC's velocity gradient (n, D, D), row a: C_ab = sum_f w u_f (x_f - x_p)_b / sum_f w (x_f - x_p)_b^2 (Jiang 2015).
+template <class K, int D>
+inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
+  for (int a = 0; a < D; ++a) {
+    const auto stride = Grid<D>::strides(g.face_shape(a));
+    const double* v = velocity[a];
+    parallel_for(cloud.n, [=](index p) {
+      Stencil<K, D> st;
+      const double* x = cloud.x + D * p;
+      st.set(g, a, x, cloud.edge(p));
+      double first[D] = {}, second[D] = {};
+      st.each(stride, [&](index f, double w, double s) {
+        const auto i = Grid<D>::unflat(f, g.face_shape(a));
+        for (int b = 0; b < D; ++b) {
+          const double r = (i[b] + (b == a ? 0.0 : 0.5)) * g.h[b] - x[b];
+          first[b] += w * s * v[f] * r;
+          second[b] += w * r * r;
+        }
+      });
+      for (int b = 0; b < D; ++b)
+        affine[D * D * p + D * a + b] = second[b] > 1e-10 * g.h[b] * g.h[b] ? first[b] / second[b] : 0.0;
+    });
+  }
+}
+
+}  // namespace houle
