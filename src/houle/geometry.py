@@ -1,0 +1,216 @@
+"""Shapes of water, porous bodies and solids, and what they cover: points, distances, exact sections.
+
+Every shape is a section in the (x, z) plane; in 3D it is that section over a span of y (a box has its own span, a
+polygon and a level reach over all y). So the union, difference and overlap of shapes are exact: layer by layer in y
+(the section does not change inside a layer), with polygon algebra in the section (shapely). `moments.py` integrates
+over the result. A shape is closed: its boundary belongs to it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from houle.errors import CaseError
+from houle.grid import FloatArray, Grid
+
+Span = tuple[float, float]  # of y; everything in 2D
+Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max
+EVERYWHERE: Span = (-np.inf, np.inf)
+
+
+class Shape(Protocol):
+    """A closed region of space."""
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper corner (d,) of the smallest box around it [m]; infinite where it does not end."""
+
+    @property
+    def span(self) -> Span:
+        """The y between which it lies [m]."""
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each of the points (..., d) [m] lies in it."""
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        """Signed distance (...) [m] of points (..., d) from its boundary, positive outside."""
+
+    def section(self, window: Window) -> shapely.Geometry:
+        """Its (x, z) section, cut to a window."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """Everything between two corners (d,) [m], which may be infinite."""
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        return np.array(self.lower), np.array(self.upper)
+
+    @property
+    def span(self) -> Span:
+        return (self.lower[1], self.upper[1]) if len(self.lower) == 3 else EVERYWHERE
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        x = np.asarray(points, float)
+        return np.all((x >= self.lower) & (x <= self.upper), axis=-1)
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        x = np.asarray(points, float)
+        beyond = np.maximum(np.subtract(self.lower, x), np.subtract(x, self.upper))  # of each pair of sides
+        return np.linalg.norm(np.maximum(beyond, 0), axis=-1) + np.minimum(beyond.max(axis=-1), 0)
+
+    def section(self, window: Window) -> shapely.Geometry:
+        x0, z0 = max(self.lower[0], window[0]), max(self.lower[-1], window[1])
+        x1, z1 = min(self.upper[0], window[2]), min(self.upper[-1], window[3])
+        return shapely.box(x0, z0, x1, z1) if x0 < x1 and z0 < z1 else shapely.Polygon()
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A polygon in the (x, z) plane, over all y in 3D."""
+
+    outline: shapely.Polygon
+    dimension: int
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        x0, z0, x1, z1 = self.outline.bounds
+        if self.dimension == 2:
+            return np.array([x0, z0]), np.array([x1, z1])
+        return np.array([x0, -np.inf, z0]), np.array([x1, np.inf, z1])
+
+    @property
+    def span(self) -> Span:
+        return EVERYWHERE
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        x = np.asarray(points, float)
+        return covers(self.outline, x[..., 0], x[..., -1])
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        x = np.asarray(points, float)
+        return signed_distance(self.outline, x[..., 0], x[..., -1])
+
+    def section(self, window: Window) -> shapely.Geometry:
+        return shapely.intersection(self.outline, shapely.box(*window))
+
+
+@dataclass(frozen=True)
+class Union:
+    """Everything in any of the parts."""
+
+    parts: tuple[Shape, ...]
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        lower, upper = zip(*(p.bounds for p in self.parts), strict=True)
+        return np.min(lower, axis=0), np.max(upper, axis=0)
+
+    @property
+    def span(self) -> Span:
+        return min(p.span[0] for p in self.parts), max(p.span[1] for p in self.parts)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        return np.any([p.contains(points) for p in self.parts], axis=0)
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        """Exact outside; inside, where parts touch or overlap, it may be nearer to zero than the truth."""
+        return np.min([p.distance(points) for p in self.parts], axis=0)
+
+    def section(self, window: Window) -> shapely.Geometry:
+        return shapely.union_all([p.section(window) for p in self.parts])
+
+
+def shape_of(entry: Any, dimension: int) -> Shape:
+    """The shape of a case entry: exactly one of box = [[lower], [upper]], polygon = [[x, z], ...], below = level."""
+    if (corners := getattr(entry, "box", None)) is not None:
+        lower, upper = (tuple(map(float, corner)) for corner in corners)
+        if not (len(lower) == len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))):
+            raise CaseError(
+                f"box = [{list(lower)}, {list(upper)}] is not a box in {dimension}D: "
+                f"give two corners of {dimension} numbers, the first one the lower on every axis."
+            )
+        return Box(lower, upper)
+    if (corners := getattr(entry, "polygon", None)) is not None:
+        outline = shapely.Polygon(corners) if len(corners) > 2 else shapely.Polygon()
+        if not (outline.is_valid and outline.area > 0):
+            reason = shapely.is_valid_reason(outline) if outline.area > 0 else "it has no area"
+            raise CaseError(f"polygon = {list(corners)} is not a simple polygon: {reason}. List its corners in order.")
+        return Polygon(outline, dimension)
+    if (level := getattr(entry, "below", None)) is not None:
+        return Box((-np.inf,) * dimension, (*[np.inf] * (dimension - 1), float(level)))
+    raise CaseError("a shape needs one of: box = [[lower], [upper]], polygon = [[x, z], ...], below = level.")
+
+
+def pieces(shapes: Iterable[Shape]) -> list[Shape]:
+    """The shapes with every union taken apart."""
+    found: list[Shape] = []
+    for shape in shapes:
+        found += pieces(shape.parts) if isinstance(shape, Union) else [shape]
+    return found
+
+
+def layers(grid: Grid, shapes: Iterable[Shape]) -> list[Span]:
+    """The spans of y, from wall to wall, inside which the section of no shape changes. One in 2D."""
+    if grid.dimension == 2:
+        return [EVERYWHERE]
+    width = grid.size[1]
+    ends = {0.0, width} | {float(y) for shape in pieces(shapes) for y in shape.span if 0 < y < width}
+    return list(itertools.pairwise(sorted(ends)))
+
+
+def section(grid: Grid, shapes: Sequence[Shape], layer: Span = EVERYWHERE) -> shapely.Geometry:
+    """The part of the domain's (x, z) section that the shapes cover, together, in one of `layers`."""
+    window = (0.0, 0.0, grid.size[0], grid.size[-1])
+    here = [s for s in pieces(shapes) if s.span[0] <= layer[0] and layer[1] <= s.span[1]]
+    return shapely.union_all([s.section(window) for s in here]) if here else shapely.Polygon()
+
+
+def covers(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    """Whether the points of the section lie in the area or on its boundary."""
+    shapely.prepare(area)
+    return shapely.intersects_xy(area, x, z)
+
+
+def signed_distance(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> FloatArray:
+    """Distance [m] in the section from the boundary of the area, negative inside."""
+    outline = shapely.boundary(area)
+    shapely.prepare(outline)
+    far = shapely.distance(outline, shapely.points(x, z))
+    return np.where(covers(area, x, z), -far, far)
+
+
+def node_distance(grid: Grid, shapes: Sequence[Shape]) -> FloatArray | None:
+    """Signed distance [m] from the union of the shapes at the grid nodes (shape + 1), None without shapes.
+
+    Shapes over the same y are joined first, so that the face they share is no boundary.
+    """
+    groups: dict[Span, list[Shape]] = {}
+    for shape in pieces(shapes):
+        groups.setdefault(shape.span, []).append(shape)
+    if not groups:
+        return None
+    lines = [grid.axis_points(a, on_faces=True) for a in range(grid.dimension)]
+    x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")
+    width, height = grid.size[0], grid.size[-1]
+    window = (-width, -height, 2 * width, 2 * height)  # shapes that reach a wall go on behind it
+    nearest = []
+    for span, group in groups.items():
+        beside = signed_distance(shapely.union_all([s.section(window) for s in group]), x, z)
+        if grid.dimension == 3:
+            along = np.maximum(span[0] - lines[1], lines[1] - span[1])[:, None]
+            outside = np.hypot(np.maximum(beside[:, None], 0), np.maximum(along, 0))
+            beside = outside + np.minimum(np.maximum(beside[:, None], along), 0)
+        nearest.append(beside)
+    return np.minimum.reduce(nearest)

@@ -1,0 +1,186 @@
+"""The porous medium on the grid: porosity, openness, inertia and resistance of cells and faces, from the shapes.
+
+Everything is fixed in time and exact: shapes are polygons in the section, and what the solver needs are averages of a
+piecewise constant property over cells, over one-cell boxes around faces, or with the tent function (moments.py).
+Where shapes overlap, a solid replaces a porous body, and a porous body replaces those before it in the case.
+Resistance per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d; the acceleration is C_r Du/Dt with
+u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force <1 / n^2>.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from houle.geometry import Shape, Span, covers, layers, node_distance, section
+from houle.grid import Faces, FloatArray, Grid
+from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
+
+CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
+
+
+@dataclass(frozen=True)
+class PorousBody:
+    """A region of one porous material; `law` is the passport of the resistance law that gave a and b."""
+
+    name: str
+    shape: Shape
+    porosity: float
+    a: float = 0.0  # [1/s]
+    b: float = 0.0  # [1/m]
+    inertia: float = 1.0  # C_r
+    law: Any = None
+
+
+@dataclass(frozen=True)
+class Medium:
+    """What the water moves through, at rest on the grid. Averages are over the open (not solid) part of the space.
+
+    porosity       cells  mean n; 1 in clear water. A closed cell beside open ones has their mean, so that interpolation
+                          to points beside a solid sees no clear water inside it (the same holds for inverse_n2)
+    open_cells     cells  open fraction of the volume, 0 where less than `CLOSED`
+    open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
+                          cell beside it is closed
+    inertia        faces  <C_r / n> over the one-cell box around the face (its inner half at a wall)
+    darcy          faces  <a> [1/s] over the same box         forchheimer    faces  <b> [1/m]
+    inverse_n2     cells  <1 / n^2>
+    tent_porosity  cells  mean of n * open with the weight prod_a max(0, 1 - |x_a - xc_a| / h_a), folded back at walls:
+                          so sum_p V_p tent(x_p - x_c) / (cell volume * tent_porosity) is 1 where all is full
+    body           int32  (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
+                          water, -1 in a solid
+    solid_distance nodes  signed distance [m] to the nearest solid, positive in the water; None without solids
+    """
+
+    grid: Grid
+    bodies: tuple[PorousBody, ...]
+    solids: tuple[Shape, ...]
+    porosity: FloatArray
+    open_cells: FloatArray
+    open_faces: Faces
+    inertia: Faces
+    darcy: Faces
+    forchheimer: Faces
+    inverse_n2: FloatArray
+    tent_porosity: FloatArray
+    body: NDArray[np.int32]
+    solid_distance: FloatArray | None
+
+    @classmethod
+    def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
+        """The medium of these bodies and solids; clear water where there are none."""
+        parts = partition(grid, bodies, solids)
+        solid = Measure.of(grid, [(span, area) for span, area, _ in parts])
+        inside = [Measure.of(grid, [(span, areas[k]) for span, _, areas in parts]) for k in range(len(bodies))]
+        porosities = [b.porosity for b in bodies]
+
+        cells = _Mean(solid, inside, [over_cells] * grid.dimension)
+        tent = _Mean(solid, inside, [with_tent] * grid.dimension)
+        boxes = [
+            _Mean(solid, inside, [around_faces if a == axis else over_cells for a in range(grid.dimension)])
+            for axis in range(grid.dimension)
+        ]
+        open_cells = np.where(cells.open < CLOSED, 0.0, cells.open)
+        return cls(
+            grid=grid,
+            bodies=tuple(bodies),
+            solids=tuple(solids),
+            porosity=_extend(cells.of(porosities, 1.0), open_cells, grid.periodic),
+            open_cells=open_cells,
+            open_faces=_open_faces(grid, open_cells, [(span, area) for span, area, _ in parts]),
+            inertia=[box.of([b.inertia / b.porosity for b in bodies], 1.0) for box in boxes],
+            darcy=[box.of([b.a for b in bodies], 0.0) for box in boxes],
+            forchheimer=[box.of([b.b for b in bodies], 0.0) for box in boxes],
+            inverse_n2=_extend(cells.of([n**-2 for n in porosities], 1.0), open_cells, grid.periodic),
+            tent_porosity=tent.of(porosities, 1.0) * tent.open,
+            body=_index_bodies(grid, parts),
+            solid_distance=node_distance(grid, solids),
+        )
+
+
+Part = tuple[Span, shapely.Geometry, list[shapely.Geometry]]  # span of y, section of the solids, sections of the bodies
+
+
+def partition(
+    grid: Grid, bodies: Sequence[PorousBody], solids: Sequence[Shape], also: Sequence[Shape] = ()
+) -> list[Part]:
+    """The domain as layers in y of disjoint sections: the solids, and each porous body without what replaces it.
+
+    also: other shapes whose sections must not change inside a layer either.
+    """
+    parts = []
+    for span in layers(grid, [*solids, *(b.shape for b in bodies), *also]):
+        solid = taken = section(grid, solids, span)
+        areas: list[shapely.Geometry] = []
+        for body in reversed(bodies):
+            whole = section(grid, [body.shape], span)
+            areas.insert(0, whole.difference(taken))
+            taken = taken.union(whole)
+        parts.append((span, solid, areas))
+    return parts
+
+
+class _Mean:
+    """Averages over the open space of properties that are constant in each body and in clear water."""
+
+    def __init__(self, solid: Measure, inside: Sequence[Measure], averaging: Sequence) -> None:
+        self.open = np.maximum(1.0 - solid.mean(averaging), 0.0)
+        self.shares = [m.mean(averaging) for m in inside]
+
+    def of(self, values: Sequence[float], clear: float) -> FloatArray:
+        """Mean of the property with these values in the bodies; its clear-water value where nothing is open."""
+        extra = np.zeros_like(self.open)
+        for value, share in zip(values, self.shares, strict=True):
+            extra += (value - clear) * share
+        return clear + np.divide(extra, self.open, out=np.zeros_like(self.open), where=self.open > 0)
+
+
+def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span, shapely.Geometry]]) -> Faces:
+    """1 - covered fraction; 0 where that is tiny, or beside a closed cell."""
+    faces = [1.0 - covered for covered in covered_faces(grid, solids)]
+    for axis, face in enumerate(faces):
+        margins = [(int(a == axis),) * 2 for a in range(grid.dimension)]
+        wide = np.moveaxis(np.pad(open_cells, margins, mode="wrap" if grid.periodic[axis] else "edge"), axis, 0)
+        beside = np.moveaxis(np.minimum(wide[:-1], wide[1:]), 0, axis)
+        face[(face < CLOSED) | (beside == 0)] = 0.0
+        if grid.periodic[axis]:  # the first and the last face are the same
+            first = np.minimum(face.take([0], axis), face.take([-1], axis))
+            np.moveaxis(face, axis, 0)[[0, -1]] = np.moveaxis(first, axis, 0)
+    return faces
+
+
+def _extend(values: FloatArray, open_cells: FloatArray, periodic: Sequence[bool]) -> FloatArray:
+    """The values; closed cells get the mean of the open cells around them (3^d, weighted by openness), if any."""
+    if open_cells.all():
+        return values
+    total, weight = values * open_cells, open_cells.copy()
+    for axis in range(values.ndim):
+        for field in (total, weight):
+            neighbours = np.moveaxis(field, axis, 0)
+            before = neighbours.copy()
+            neighbours[1:] += before[:-1]
+            neighbours[:-1] += before[1:]
+            if periodic[axis]:
+                neighbours[0] += before[-1]
+                neighbours[-1] += before[0]
+    return np.where((open_cells == 0) & (weight > 0), total / np.where(weight > 0, weight, 1.0), values)
+
+
+def _index_bodies(grid: Grid, parts: Sequence[Part]) -> NDArray[np.int32]:
+    """`Medium.body`."""
+    lines = [(np.arange(2 * n) + 0.5) * h / 2 for n, h in zip(grid.shape, grid.spacing, strict=True)]
+    x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")
+    index = np.zeros([len(line) for line in lines], np.int32)
+    for span, solid, areas in parts:
+        plane = np.zeros(x.shape, np.int32)
+        for value, area in [*enumerate(areas, 1), (-1, solid)]:
+            if not area.is_empty:
+                plane[covers(area, x, z)] = value
+        if grid.dimension == 2:
+            return plane
+        index[:, (lines[1] >= span[0]) & (lines[1] <= span[1])] = plane[:, None]
+    return index
