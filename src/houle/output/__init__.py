@@ -15,6 +15,7 @@ For the runner (all failures of the file system raise OutputError, one message w
     checkpoints(directory) -> list[Path]                        # newest first
 
     collect(case, threads) -> dict                              # the manifest at the start of a run
+    summarise(manifest, finished=, time=, steps=, ...) -> dict  # with the outcome, at the end
     write_manifest(directory, manifest) -> Path                 # run.json, atomically; read_manifest(directory) -> dict
     read_series(directory), read_surface(directory) -> xarray.Dataset (in memory; the files are closed)
     read_fields(directory) -> FieldsReader: .times, .frame(i) -> Frame
@@ -27,3 +28,99 @@ Pictures (houle.output.pictures; imports matplotlib, so import it late) and film
 
 A new writer: copy surface.py, add it to Outputs.
 """
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from houle.frame import Frame
+from houle.grid import Grid
+from houle.output.atomic import OutputError
+from houle.output.checkpoint import Checkpoint, checkpoints, load_newest, save_checkpoint
+from houle.output.fields import FieldsReader, FieldsWriter, read_fields
+from houle.output.manifest import collect, read_manifest, summarise, write_manifest
+from houle.output.series import SeriesWriter, read_series
+from houle.output.surface import SurfaceWriter, read_surface
+
+__all__ = [
+    "Checkpoint",
+    "FieldsReader",
+    "FieldsWriter",
+    "OutputError",
+    "Outputs",
+    "SeriesWriter",
+    "SurfaceWriter",
+    "checkpoints",
+    "collect",
+    "load_newest",
+    "read_fields",
+    "read_manifest",
+    "read_series",
+    "read_surface",
+    "save_checkpoint",
+    "summarise",
+    "write_manifest",
+]
+
+
+class Outputs:
+    """The files of a run that grow: series.nc, surface.nc, fields.vtkhdf."""
+
+    def __init__(self, directory: Path | str, case: Any, grid: Grid) -> None:
+        folder = Path(directory)
+        about = _about(case)
+        gauges = [(gauge.name, _plan(gauge, grid.dimension)) for gauge in case.gauge]
+        sensors = [(sensor.name, tuple(sensor.at)) for sensor in case.sensor]
+        self.series = SeriesWriter(folder, gauges, sensors, grid.dimension, about)
+        self.surface = SurfaceWriter(folder, grid, about)
+        self.fields = FieldsWriter(folder, grid, about)
+        self._committed = clock.monotonic()
+
+    def append_series(self, time: float, sample: Mapping[str, Any]) -> None:
+        """One row of gauges, sensors and ledger at a simulated time [s]."""
+        self.series.append(time, sample)
+
+    def append_frame(self, frame: Frame) -> None:
+        """One profile of the surface and one frame of the fields."""
+        self.surface.append(frame)
+        self.fields.append(frame)
+
+    def commit(self) -> None:
+        """Everything appended is in the files; they can be read by others. Do it before a checkpoint."""
+        for writer in (self.series, self.surface, self.fields):
+            writer.commit()
+        self._committed = clock.monotonic()
+
+    def commit_if_due(self, seconds: float = 5.0) -> None:
+        """Commit, at most once in so many seconds of wall time."""
+        if clock.monotonic() - self._committed > seconds:
+            self.commit()
+
+    def close(self) -> None:
+        """Commit, and pack the fields into one file. At the end of a run, however it ends."""
+        for writer in (self.series, self.surface, self.fields):
+            writer.close()
+
+    def truncate_after(self, time: float) -> None:
+        """Resume at a checkpoint of this simulated time [s]: later rows and frames are dropped, and written again by the run."""
+        for writer in (self.series, self.surface, self.fields):
+            writer.truncate_after(time)
+
+
+def _about(case: Any) -> dict[str, str]:
+    """Global attributes: what made the file."""
+    import houle
+
+    return {
+        "title": case.case.title or case.case.name,
+        "source": f"houle {houle.__version__}",
+        "case": case.case.name,
+        "case_hash": case.hash,
+    }
+
+
+def _plan(gauge: Any, dimension: int) -> tuple[float, ...]:
+    return (gauge.x,) if dimension == 2 else (gauge.x, gauge.y)

@@ -1,0 +1,135 @@
+"""run.json: what was run, where, with what, and how it went. A second run from it should give the same numbers."""
+
+from __future__ import annotations
+
+import datetime
+import json
+import math
+import os
+import platform
+import sys
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from houle.output.atomic import OutputError, write_text
+
+NAME = "run.json"
+PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matplotlib")
+
+
+def collect(case: Any, threads: int | None) -> dict[str, Any]:
+    """The manifest at the start of a run: case (name, title, hash, text), houle and its build, machine, packages, time.
+
+    case needs .case.name, .case.title, .hash and .to_toml(); `finished` is False until `summarise`.
+    """
+    import houle
+
+    return {
+        "finished": False,
+        "case": {
+            "name": case.case.name,
+            "title": case.case.title,
+            "file": str(case.path) if case.path else None,
+            "hash": case.hash,
+            "text": case.to_toml(),
+        },
+        "houle": {"version": houle.__version__, "build": _build()},
+        "machine": {"cpu": _cpu(), "cores": os.cpu_count(), "threads": threads, "platform": platform.platform()},
+        "python": {"version": platform.python_version(), "packages": _packages()},
+        "command": sys.argv[:],
+        "started": _now(),
+    }
+
+
+def summarise(
+    manifest: Mapping[str, Any],
+    *,
+    finished: bool,
+    time: float,
+    steps: int,
+    particles: int,
+    wall_seconds: float,
+    cpu_seconds: float,
+    operations: Mapping[str, float],
+    volume_drift: float,
+    energy: Mapping[str, float],
+    **more: Any,
+) -> dict[str, Any]:
+    """The manifest with the outcome: simulated time [s], seconds in all and per operation, budgets of volume and energy."""
+    summary = {
+        "time": time,
+        "steps": steps,
+        "particles": particles,
+        "wall_seconds": wall_seconds,
+        "cpu_seconds": cpu_seconds,
+        "operations": dict(operations),
+        "volume_drift": volume_drift,
+        "energy": dict(energy),
+    }
+    return {**manifest, "finished": finished, "ended": _now(), "summary": {**summary, **more}}
+
+
+def write_manifest(directory: Path, manifest: Mapping[str, Any]) -> Path:
+    """run.json, whole or not at all. Strict JSON: numbers that are not finite become null."""
+    path = Path(directory) / NAME
+    write_text(path, json.dumps(_plain(manifest), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    return path
+
+
+def read_manifest(directory: Path) -> dict[str, Any]:
+    """run.json of a run; OutputError when it is not there or not ours."""
+    path = Path(directory) / NAME
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise OutputError(path, str(error), "is this the folder of a run?", verb="read") from error
+
+
+def _plain(value: Any) -> Any:
+    """What json can write, from dicts, sequences, NumPy numbers and arrays, and paths."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple, set)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _plain(value.tolist())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (str, int)) else str(value)
+
+
+def _now() -> str:
+    return datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+
+
+def _build() -> dict[str, Any]:
+    """What the C++ core says of its compiler and flags, if it does."""
+    from houle import _core
+
+    info = getattr(_core, "build_info", None)
+    return dict(info() if callable(info) else info or {})
+
+
+def _packages() -> dict[str, str]:
+    found = {}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _cpu() -> str:
+    """The name of the processor, as well as the system tells it."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
