@@ -7,9 +7,9 @@ A rigid porous medium of porosity n resists with a u_d + b |u_d| u_d per unit ma
 
 and crossing a face between water and the medium keeps p + rho u^2 / 2 (Bernoulli with the pore velocity u = q / n).
 
-References: Engelund (1953), van Gent (1995) for the resistance; Whitham, Linear and Nonlinear Waves (1974) for Ritter and
-Stoker; Tadjbakhsh & Keller, J. Fluid Mech. 8 (1960) 442-451 for the standing wave; Dommermuth & Yue, J. Fluid Mech. 184
-(1987) 267-288 for the fully non-linear one.
+References: van Gent (1995) for the resistance; Whitham, Linear and Nonlinear Waves (1974) for Ritter and Stoker;
+Tadjbakhsh & Keller, J. Fluid Mech. 8 (1960) 442-451 for the standing wave; Dommermuth & Yue, J. Fluid Mech. 184 (1987)
+267-288 for the fully non-linear one.
 """
 
 from __future__ import annotations
@@ -57,10 +57,10 @@ def runge_kutta(slope: Callable[[float, FloatArray], FloatArray], start: FloatAr
 def duct_flow(
     time: FloatArray, medium: PorousMedium, acceleration: float, length: float = 1.0, plug: float | None = None
 ) -> FloatArray:
-    """Darcy velocity q(t) [m/s] in a periodic duct of this length [m], driven from rest by a uniform acceleration [m/s2].
+    """Darcy velocity q(t) [m/s] in a periodic duct of this length [m], driven from rest by an acceleration [m/s2].
 
-    The medium fills the duct, or a plug of this length [m], saturated; clear water resists nothing. Integrated once round
-    the duct the pressure drops out: (L - B + B C_r/n) dq/dt = G L - B (a q + b q^2), a Riccati equation with roots q+, q-.
+    The medium fills the duct, or a plug of this length [m], saturated; clear water resists nothing. Integrated once
+    round the duct the pressure drops out: (L - B + B C_r/n) dq/dt = G L - B (a q + b q^2), a Riccati equation.
     """
     share = 1.0 if plug is None else plug / length
     mass = 1.0 - share + share * medium.inertia / medium.porosity
@@ -110,7 +110,7 @@ def ritter(position: FloatArray, time: float, depth: float, gravity: float = 9.8
 
 
 def stoker(position: FloatArray, time: float, depth: float, tail: float, gravity: float = 9.81) -> FloatArray:
-    """Water depth [m] of a shallow-water dam break onto a wet bed of depth `tail` [m] < depth: rarefaction, plateau, bore."""
+    """Water depth [m] of a shallow-water dam break onto a wet bed, `tail` [m] < depth: rarefaction, plateau, bore."""
     c = np.sqrt(gravity * depth)
 
     def excess(middle: float) -> float:
@@ -148,13 +148,64 @@ def wave_number(frequency: float, depth: float, gravity: float = 9.81) -> float:
 def standing_wave_frequency(amplitude: float, wave_number: float, depth: float, gravity: float = 9.81) -> float:
     """Angular frequency [rad/s] of a periodic standing wave, third order (Tadjbakhsh & Keller 1960).
 
-    With w0^2 = tanh kd: omega = sqrt(g k) (w0 + (k a)^2/64 (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5)). Deep water: 1 - (ka)^2/8;
-    the sign turns at kd = 1.06, shallower waves are faster than small ones. A wave released at rest from a cosine is not
-    periodic (it carries a free second mode): `NonlinearStandingWave` has that one.
+    With w0^2 = tanh kd: omega = sqrt(g k) (w0 + (k a)^2/64 (9 w0^-7 - 12 w0^-3 - 3 w0 - 2 w0^5)). In deep water the
+    factor is 1 - (ka)^2/8; the sign turns at kd = 1.06, shallower waves are faster than small ones. A wave released at
+    rest from a cosine is not periodic (it carries a free second mode): `released_wave` has that one.
     """
     w = np.sqrt(np.tanh(wave_number * depth))
     correction = (9.0 * w**-7 - 12.0 * w**-3 - 3.0 * w - 2.0 * w**5) / 64.0
     return float(np.sqrt(gravity * wave_number) * (w + (wave_number * amplitude) ** 2 * correction))
+
+
+def released_wave(
+    times: FloatArray,
+    amplitude: float,
+    length: float,
+    depth: float,
+    gravity: float = 9.81,
+    modes: int = 16,
+    order: int = 5,
+) -> FloatArray:
+    """Amplitudes (T, modes) [m] of cos(j pi x/length), j = 1, 2, ..., of the surface of a basin, fully non-linear.
+
+    Released at rest at times[0] from a cosine of this amplitude [m]. Potential flow by the high-order spectral method
+    (Dommermuth & Yue 1987, their order M; velocity at the surface ordered as in West et al. 1987), mirrored into a
+    periodic basin of twice the length. The times (T,) are evenly spaced; the step inside resolves the shortest mode.
+    """
+    points = 4 * modes
+    x = np.arange(2 * points) * length / points
+    k = np.pi / length * np.arange(points + 1)
+    keep = np.arange(points + 1) <= modes
+
+    def vertical(potential: FloatArray, power: int) -> FloatArray:
+        """d^power/dz^power of the harmonic function with this value at z = 0, floor at z = -depth."""
+        factor = k**power * (np.tanh(k * depth) if power % 2 else 1.0)
+        return np.fft.irfft(factor * np.fft.rfft(potential))
+
+    def along(f: FloatArray) -> FloatArray:
+        return np.fft.irfft(1j * k * np.fft.rfft(f) * (np.arange(points + 1) < points))
+
+    def slope(_: float, y: FloatArray) -> FloatArray:
+        eta, surface = y
+        part, rising = [surface], vertical(surface, 1)
+        lift = [eta**j / np.prod(np.arange(1.0, j + 1.0)) for j in range(order)]
+        for m in range(1, order):
+            part.append(-sum(lift[j] * vertical(part[m - j], j) for j in range(1, m + 1)))
+            rising = rising + sum(lift[j] * vertical(part[m - j], j + 1) for j in range(m + 1))
+        steep = 1.0 + along(eta) ** 2
+        change = np.array(
+            [
+                rising * steep - along(surface) * along(eta),
+                -gravity * eta - 0.5 * along(surface) ** 2 + 0.5 * rising**2 * steep,
+            ]
+        )
+        return np.fft.irfft(np.fft.rfft(change) * keep)
+
+    inside = max(1, int(np.ceil((times[1] - times[0]) * dispersion(k[modes], depth, gravity) / 0.5)))
+    fine = np.linspace(times[0], times[-1], (len(times) - 1) * inside + 1)
+    start = np.array([amplitude * np.cos(np.pi * x / length), np.zeros_like(x)])
+    eta = runge_kutta(slope, start, fine)[::inside, 0]
+    return np.fft.rfft(eta)[:, 1 : modes + 1].real / points
 
 
 def _bisect(function: Callable[[float], float], low: float, high: float) -> float:

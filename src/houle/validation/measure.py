@@ -1,0 +1,129 @@
+"""What the comparisons read out of a run. Everything here takes arrays or xarray objects and knows no case."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from houle.grid import FloatArray
+from houle.laboratory import level
+from houle.validation.check import Check
+
+if TYPE_CHECKING:
+    from houle.runner import Run
+
+
+def read_points(path: Path) -> Any:
+    """A CSV with # comments and a line of names: a structured array, one field per name."""
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    return np.genfromtxt(lines, delimiter=",", names=True)
+
+
+def at_time(data: xr.DataArray, time: float) -> xr.DataArray:
+    """The record at this time [s]; KeyError when there is none within half a millisecond."""
+    return data.sel(time=time, method="nearest", tolerance=5e-4)
+
+
+def profile_distance(one: xr.Dataset, other: xr.Dataset, times: Sequence[float], x: FloatArray) -> float:
+    """Root mean square [m] between the surfaces of two runs at the same places and times."""
+    return rms(np.concatenate([level(one, t, x) - level(other, t, x) for t in times]))
+
+
+def rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def front_position(eta: xr.DataArray, thickness: float) -> FloatArray:
+    """Foremost x [m] (T,) of the water joined to the left wall and at least this thick [m], linear between columns.
+
+    Drops thrown ahead do not count. Without any such column: 0.
+    """
+    x, front = eta.x.values, np.zeros(eta.sizes["time"])
+    for i, row in enumerate(np.nan_to_num(eta.transpose("time", "x").values)):
+        thin = np.flatnonzero(row < thickness)
+        last = (thin[0] if thin.size else len(x)) - 1
+        if last < 0:
+            continue
+        if last + 1 == len(x):
+            front[i] = x[-1]
+            continue
+        share = (row[last] - thickness) / (row[last] - row[last + 1])
+        front[i] = x[last] + share * (x[last + 1] - x[last])
+    return front
+
+
+def wetted_depth(position: FloatArray, volume: FloatArray, top: float, porosity: float, width: float) -> float:
+    """Depth [m] of saturated bed that the water below the bed top [m] fills: volume / (n width)."""
+    return float(volume[position[:, -1] < top].sum() / (porosity * width))
+
+
+def fundamental(eta: xr.DataArray, length: float) -> FloatArray:
+    """Amplitude (T,) [m] of cos(pi x / length) in the levels of gauges at the middles of equal parts of the basin."""
+    weight = np.cos(np.pi * eta.gauge_x.values / length)
+    return 2.0 / len(weight) * eta.transpose("time", "gauge").values @ weight
+
+
+def sliding_amplitude(time: FloatArray, signal: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
+    """Sinusoid fitted, with a mean, to the period around each quarter period: centres [s] and amplitudes."""
+    centres = np.arange(time[0] + period / 2, time[-1] - period / 2 + 1e-9, period / 4)
+    angle = 2.0 * np.pi / period * time
+    basis = np.stack([np.cos(angle), np.sin(angle), np.ones_like(angle)], axis=1)
+    found = []
+    for centre in centres:
+        inside = np.abs(time - centre) <= period / 2 + 1e-9
+        cosine, sine, _ = np.linalg.lstsq(basis[inside], signal[inside], rcond=None)[0]
+        found.append(np.hypot(cosine, sine))
+    return centres, np.array(found)
+
+
+def mean_period(time: FloatArray, signal: FloatArray) -> float:
+    """Mean period [s] from the zero crossings, straight line through their times. NaN with fewer than three."""
+    at = np.flatnonzero(np.sign(signal[:-1]) * np.sign(signal[1:]) < 0)
+    if len(at) < 3:
+        return float("nan")
+    crossing = time[at] - signal[at] * (time[at + 1] - time[at]) / (signal[at + 1] - signal[at])
+    return float(2.0 * np.polyfit(np.arange(len(at)), crossing, 1)[0])
+
+
+def noise(time: FloatArray, signal: FloatArray, above: float = 20.0) -> float:
+    """Root mean square of what an evenly sampled signal holds above a frequency [Hz], mirrored at its ends."""
+    both = np.concatenate([signal, signal[::-1]])
+    spectrum = np.fft.rfft(both)
+    spectrum[np.fft.rfftfreq(len(both), time[1] - time[0]) < above] = 0.0
+    return rms(np.fft.irfft(spectrum, len(both)))
+
+
+def line_at(x: FloatArray, values: FloatArray, where: float) -> FloatArray:
+    """The straight line through values (P, T) at x (P,), carried on to `where`: (T,)."""
+    slope, offset = np.polyfit(x, values, 1)
+    return slope * where + offset
+
+
+def observed_order(spacings: Sequence[float], errors: Sequence[float]) -> float:
+    """Slope of log error against log spacing, least squares."""
+    return float(np.polyfit(np.log(spacings), np.log(errors), 1)[0])
+
+
+def grid_convergence_index(difference: float, ratio: float, order: float, safety: float = 1.25) -> float:
+    """Roache's estimate of the error of the finer of two grids: 1.25 |difference| / (ratio^order - 1)."""
+    return safety * abs(difference) / (ratio**order - 1.0) if order > 0.0 else float("nan")
+
+
+def volume_checks(run: Run) -> list[Check]:
+    """Water is neither made nor lost, and stands as high as its volume says (domains without solids)."""
+    series, size = run.series, run.case.domain.size
+    plan = float(np.prod(size[:-1]))
+    found = [Check("volume drift", float(np.abs(series.volume_drift).max()), "-", 1e-12)]
+    if not run.case.solid:
+        offset = float(np.abs(series.mean_level - series.volume / plan).max())
+        found.append(Check("mean level against volume", 1e3 * offset, "mm", 0.1))
+    return found
+
+
+def largest(values: xr.DataArray | FloatArray) -> float:
+    """Largest magnitude; NaN when one is NaN."""
+    return float(np.max(np.abs(np.asarray(values))))
