@@ -161,7 +161,7 @@ class Measure:
                 plane = plane[:, None, :] * averaging[1](along[0], along[1], wrap[1])[:, None]
             total = plane if total is None else total + plane
         shape = tuple(n + (f is around_faces) for n, f in zip(self.grid.shape, averaging, strict=True))
-        return np.zeros(shape) if total is None else total
+        return np.zeros(shape) if total is None else np.ascontiguousarray(total)
 
     def half_cells(self, powers: Sequence[int] | None = None) -> FloatArray:
         """The moments themselves (2 nx, [2 ny,] 2 nz), of these powers (0 or 1) along the axes."""

@@ -1,14 +1,16 @@
 """The first particles: the water of the case, at rest, one particle for each half cell that holds some of it.
 
-A particle carries exactly the water of its half cell (area of the water shapes, without solids, times porosity) and lies
-at the centroid of that water. So volume, mean level and centre of gravity are those of the case, wherever its levels and
-interfaces lie. The tent function is linear along each axis of a half cell: the fill fraction of a submerged cell is 1 to
-round-off beside porous interfaces along the axes, and within 0.5 % beside sloping ones and at corners (the term in x z).
+A particle carries exactly the water of its half cell (area of the water shapes, without solids, times porosity) and
+lies at the centroid of that water. So volume, mean level and centre of gravity are those of the case, wherever its
+levels and interfaces lie. The tent function is linear along each axis of a half cell: the fill fraction of a submerged
+cell is 1 to round-off beside porous interfaces along the axes. Beside sloping ones and at corners the term in x z is
+left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +29,8 @@ def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
     """Particles at rest that hold all water inside the union of the shapes and outside the solids, 2 per axis and cell.
 
     A half cell with less water than `SLIVER` of its pores gives it to the one below, or else to the fullest one beside
-    it, with its first moment; where there is none (a film thinner than that) it keeps it. Ordered as a raster, z fastest.
+    it or at its corners, with its first moment; where there is none (a film thinner than that) it keeps it.
+    Ordered as a raster, z fastest.
     """
     volume, moment = _water(grid, medium, water)
     _merge_slivers(volume, moment, _pores(grid, medium))
@@ -85,13 +88,16 @@ def _merge_slivers(volume: FloatArray, moment: list[FloatArray], pores: FloatArr
 
 
 def _receivers(source: NDArray[np.intp], amount: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """For each half cell (S, d): the neighbour (S, d) below if it holds any, else the fullest; and whether there is one."""
-    dimension = amount.ndim
-    steps = np.concatenate([-np.eye(dimension, dtype=int)[::-1], np.eye(dimension, dtype=int)])  # the first one is down
-    beside = source[:, None] + steps
+    """For each half cell (S, d) the neighbour (S, d) that takes its water, and whether there is one.
+
+    The one below if it holds any amount, else the fullest of those beside it, else the fullest of those at its corners.
+    """
+    steps = np.array(sorted(product((-1, 0, 1), repeat=amount.ndim), key=lambda s: (np.abs(s).sum(), *s[::-1]))[1:])
+    beside = source[:, None] + steps  # the first step is down, then come the other sides, then the corners
     inside = np.all((beside >= 0) & (beside < amount.shape), axis=-1)
     held = np.where(inside, amount[tuple(np.moveaxis(np.where(inside[..., None], beside, 0), -1, 0))], 0.0)
-    held[:, 0] = np.where(held[:, 0] > 0, np.inf, 0.0)
-    best = held.argmax(axis=1)
+    preference = np.full(len(steps), 2.0)
+    preference[0], preference[2 * amount.ndim :] = 4.0, 0.0
+    best = np.where(held > 0, held + preference, 0.0).argmax(axis=1)
     each = np.arange(len(source))
     return beside[each, best], held[each, best] > 0
