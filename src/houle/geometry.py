@@ -103,7 +103,7 @@ class Polygon:
         return signed_distance(self.outline, x[..., 0], x[..., -1])
 
     def section(self, window: Window) -> shapely.Geometry:
-        return shapely.intersection(self.outline, shapely.box(*window))
+        return shapely.multipolygons(polygons(shapely.intersection(self.outline, shapely.box(*window))))
 
 
 @dataclass(frozen=True)
@@ -174,6 +174,12 @@ def section(grid: Grid, shapes: Sequence[Shape], layer: Span = EVERYWHERE) -> sh
     """The part of the domain's (x, z) section that the shapes cover, together, in one of `layers`."""
     here = [s for s in pieces(shapes) if s.span[0] <= layer[0] and layer[1] <= s.span[1]]
     return shapely.union_all([s.section(_window(grid)) for s in here]) if here else shapely.Polygon()
+
+
+def polygons(area: shapely.Geometry) -> NDArray[np.object_]:
+    """The polygons in a geometry, without the lines and points in which shapes may touch."""
+    parts = shapely.get_parts(shapely.get_parts(area))
+    return parts[(shapely.get_type_id(parts) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(parts)]
 
 
 def covers(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ import numpy as np
 import shapely
 from shapely.geometry.polygon import orient
 
-from houle.geometry import Span
+from houle.geometry import Span, polygons
 from houle.grid import FloatArray, Grid
 
 ON_LINE = 1e-9  # [cells] an edge nearer to a grid line lies on it
@@ -29,13 +29,12 @@ Averaging = Callable[[FloatArray, FloatArray, bool], FloatArray]  # (moment 0, m
 def edges(area: shapely.Geometry, spacing: Sequence[float]) -> FloatArray:
     """Edges (E, 2, 2) of a polygonal area in units of the lattice, from [:, 0] to [:, 1], the area on their left."""
     found = [np.empty((0, 2, 2))]
-    for part in shapely.get_parts(area):
-        if isinstance(part, shapely.Polygon) and not part.is_empty:
-            for ring in (orient(part).exterior, *orient(part).interiors):
-                corners = shapely.get_coordinates(ring) / spacing
-                on_line = np.round(corners)
-                corners = np.where(np.abs(corners - on_line) < ON_LINE, on_line, corners)
-                found.append(np.stack([corners[:-1], corners[1:]], axis=1))
+    for part in map(orient, polygons(area)):
+        for ring in (part.exterior, *part.interiors):
+            corners = shapely.get_coordinates(ring) / spacing
+            on_line = np.round(corners)
+            corners = np.where(np.abs(corners - on_line) < ON_LINE, on_line, corners)
+            found.append(np.stack([corners[:-1], corners[1:]], axis=1))
     return np.concatenate(found)
 
 

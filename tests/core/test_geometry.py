@@ -144,6 +144,15 @@ def test_tent_averages_match_brute_force_sampling():
     assert np.abs(tent - sampled).max() < 4 / m  # a boundary of a few cell sides, uncertain by half a sample
 
 
+def test_a_shape_that_only_touches_the_domain_covers_none_of_it():
+    grid = Grid((4, 4), (0.25, 0.25), (False, False))
+    beside = Polygon(shapely.Polygon([(1.0, 0.0), (2.0, 0.0), (2.0, 1.0), (1.0, 1.0)]), 2)
+    both = Polygon(shapely.Polygon([(0.5, 0.0), (0.75, 0.5), (1.0, 0.1), (1.0, 0.9), (2.0, 2.0), (3.0, 0.0)]), 2)
+    assert section(grid, [beside]).is_empty and section(grid, [below(0.0)]).is_empty
+    part = Measure.of(grid, [(EVERYWHERE, section(grid, [both, beside]))]).mean([over_cells] * 2)
+    assert part.sum() / 16 == pytest.approx(both.outline.intersection(shapely.box(0, 0, 1, 1)).area, rel=ROUND_OFF)
+
+
 def test_open_faces_are_what_the_polygon_leaves_of_the_grid_lines():
     grid = Grid((10, 9), (0.1, 0.08), (False, False))
     upright, level = covered_faces(grid, [(EVERYWHERE, STAR)])

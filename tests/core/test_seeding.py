@@ -106,6 +106,12 @@ def test_no_particle_is_a_sliver_but_a_thin_film_is_kept():
     assert film.position[:, 1] == pytest.approx(0.002)
 
 
+def test_a_domain_without_water_has_no_particles():
+    grid = Grid((4, 3, 2), (0.1, 0.1, 0.1), (False,) * 3)
+    dry = seed(grid, Medium.build(grid), [])
+    assert len(dry) == 0 and dry.position.shape == dry.velocity.shape == (0, 3)
+
+
 SUBMERGED = [
     ("dam on grid lines", Box((0.3, 0.0), (0.6, 0.8)), 1e-11),
     ("dam through cell centres", Box((0.305, 0.0), (0.605, 0.8)), 1e-11),
