@@ -1,0 +1,384 @@
+"""Pre-flight: does the case make sense as a whole? Every finding quotes both numbers compared and says what to change.
+
+An error stops the run (`require` raises CaseError), a warning is printed, an info is printed by `houle check` only. The
+models of `case.py` have looked at single keys already; here shapes are compared with the domain, with each other and
+with the grid. Sections are compared exactly, as polygons (shapely), layer by layer in y in 3D. To add a check, write a
+function that yields findings and add it to CHECKS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import Any, Literal
+
+import numpy as np
+import shapely
+from shapely.ops import polylabel
+
+from houle import geometry
+from houle.case import Case
+from houle.case_errors import guess, place, several, show
+from houle.errors import CaseError
+from houle.grid import FloatArray
+
+FEWEST = 2.0  # spacings across a porous body: below is an error
+ENOUGH = 4.0  # below is a warning
+
+
+@dataclass(frozen=True)
+class Finding:
+    """level; key the finding is about; the two numbers and the cure in words."""
+
+    level: Literal["error", "warning", "info"]
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.key} {self.text}"
+
+
+@dataclass(frozen=True)
+class Body:
+    """An entry of water, porous or solid with its place in the file and its shape."""
+
+    key: str
+    entry: Any
+    shape: geometry.Shape
+
+    @property
+    def free(self) -> bool:
+        """A level fills whatever is open below it; a box or a polygon means exactly itself."""
+        return self.entry.below is not None
+
+
+class Section:
+    """The case as polygons: bodies with their shapes, and the (x, z) window of the domain."""
+
+    def __init__(self, case: Case) -> None:
+        self.case, self.grid = case, case.domain.grid
+        self.window = (0.0, 0.0, case.domain.size[0], case.domain.size[-1])
+        self.water = self._bodies("water")
+        self.porous = self._bodies("porous")
+        self.solid = self._bodies("solid")
+        self.layers = geometry.layers(self.grid, [b.shape for b in self.bodies])
+
+    @property
+    def bodies(self) -> list[Body]:
+        return [*self.water, *self.porous, *self.solid]
+
+    def _bodies(self, key: str) -> list[Body]:
+        rows = enumerate(getattr(self.case, key))
+        d = self.case.dimension
+        return [Body(place((key, i), self.case.__dict__), row, geometry.shape_of(row, d)) for i, row in rows]
+
+    def area(self, bodies: list[Body], layer: geometry.Span) -> shapely.Geometry:
+        """What the bodies cover together of the domain's section in a layer."""
+        return geometry.section(self.grid, [b.shape for b in bodies], layer)
+
+    def overlap(self, one: list[Body], other: list[Body]) -> tuple[float, tuple[float, ...]]:
+        """Area [m2] of the largest common section over the layers, and the bounds of it in x, z."""
+        common = [shapely.intersection(self.area(one, y), self.area(other, y)) for y in self.layers]
+        largest = max(common, key=lambda c: c.area)
+        return largest.area, largest.bounds
+
+    @property
+    def speck(self) -> float:
+        """An area that does not matter [m2]."""
+        return 1e-6 * self.case.domain.spacing**2
+
+    def open_water(self, layer: geometry.Span) -> shapely.Geometry:
+        return shapely.difference(self.area(self.water, layer), self.area(self.solid, layer))
+
+    def tops(self, areas: list[shapely.Geometry]) -> FloatArray:
+        """Top [m] of an area per layer in every column of cells, to a cell; 0 where there is none."""
+        x, z = np.meshgrid(*(self.grid.axis_points(a) for a in (0, self.grid.dimension - 1)), indexing="ij")
+        top = z + self.grid.spacing[-1] / 2
+        return np.array([np.where(geometry.covers(area, x, z), top, 0).max(axis=1) for area in areas])
+
+    def depth(self) -> float:
+        """Highest level of the water [m]."""
+        return float(self.tops([self.open_water(y) for y in self.layers]).max())
+
+    def drop(self) -> float:
+        """Highest minus lowest level of the water at the start [m]; where it is dry the floor counts."""
+        water = self.tops([self.open_water(y) for y in self.layers])
+        floor = self.tops([self.area(self.solid, y) for y in self.layers])
+        return float(water.max() - np.maximum(water, floor).min())
+
+    def extent(self, body: Body) -> tuple[float, ...]:
+        """Length [m] of the body inside the domain along each axis."""
+        lower, upper = body.shape.bounds
+        return tuple(np.minimum(upper, self.case.domain.size) - np.maximum(lower, 0.0))
+
+    def thickness(self, body: Body) -> float:
+        """What the grid has to resolve [m]: width of the largest circle inside a polygon, shortest side of a box.
+
+        A side that reaches from wall to wall does not count; inf when all do.
+        """
+        size = self.case.domain.size
+        counted = [e for e, s in zip(self.extent(body), size, strict=True) if e < s * (1 - 1e-9)]
+        if body.entry.polygon is not None and counted:
+            outline = shapely.intersection(shapely.Polygon(body.entry.polygon), shapely.box(*self.window))
+            if self.extent(body)[0] >= size[0] * (1 - 1e-9):
+                counted.append(outline.area / size[0])
+            elif outline.geom_type == "Polygon":
+                centre = polylabel(outline, tolerance=0.02 * min(counted))
+                counted.append(2 * centre.distance(outline.exterior))
+        return min(counted, default=inf)
+
+
+def axes(case: Case) -> str:
+    """The letters of the axes."""
+    return "xz" if case.dimension == 2 else "xyz"
+
+
+def check(case: Case) -> list[Finding]:
+    """All findings about a case, errors first."""
+    shapes = list(simple_polygons(case))
+    if shapes:  # nothing else can be said about crossing outlines
+        return shapes
+    section = Section(case)
+    found = [finding for look in CHECKS for finding in look(section)]
+    order = ("error", "warning", "info")
+    return sorted(found, key=lambda f: order.index(f.level))
+
+
+def require(case: Case) -> list[Finding]:
+    """The warnings and infos about a case. Raises CaseError, one line per error, when it cannot be run."""
+    found = check(case)
+    errors = [str(f) for f in found if f.level == "error"]
+    if errors:
+        raise CaseError(several(errors))
+    return found
+
+
+def simple_polygons(case: Case) -> Iterator[Finding]:
+    """Outlines that cross themselves enclose nothing definite."""
+    for key in ("water", "porous", "solid"):
+        for i, row in enumerate(getattr(case, key)):
+            if row.polygon is not None:
+                outline = shapely.Polygon(row.polygon)
+                if not outline.is_valid or outline.area == 0:
+                    reason = shapely.is_valid_reason(outline) if outline.area else "it has no area"
+                    where = place((key, i, "polygon"), case.__dict__)
+                    yield Finding("error", where, f"crosses itself or is flat ({reason}): list its corners in order")
+
+
+def inside_domain(s: Section) -> Iterator[Finding]:
+    """No shape reaches out of the domain; no level lies above it."""
+    size, slack = s.case.domain.size, 1e-6 * s.case.domain.spacing
+    names = axes(s.case)
+    for body in s.bodies:
+        lower, upper = body.shape.bounds
+        kind = next(k for k in ("box", "polygon", "below") if getattr(body.entry, k) is not None)
+        for axis, (low, high) in enumerate(zip(lower, upper, strict=True)):
+            outside = [v for v in (low, high) if np.isfinite(v) and not -slack <= v <= size[axis] + slack]
+            if outside:
+                hint = _metres(max(outside, key=abs), size[axis])
+                yield Finding(
+                    "error",
+                    f"{body.key}.{kind}",
+                    f"reaches {names[axis]} = {max(outside, key=abs):g}, outside the domain 0 <= {names[axis]} <= "
+                    f"{size[axis]:g} m: cut it there, or change domain.size.{hint}",
+                )
+
+
+def _metres(value: float, size: float) -> str:
+    """A guess at the unit of a position far outside."""
+    units = ((0.01, "cm"), (0.001, "mm"))
+    return next((f" Were {u} given? Lengths are in m." for f, u in units if 10 * size < value <= size / f), "")
+
+
+def water_is_somewhere(s: Section) -> Iterator[Finding]:
+    """There is water, none of it is asked for inside a solid, and its depth is resolved."""
+    area = max(s.open_water(y).area for y in s.layers)
+    if area <= s.speck:
+        yield Finding("error", "water", "covers nothing of the open domain: give water where no solid is")
+        return
+    for body in s.water:
+        common, (x0, z0, x1, z1) = s.overlap([body], s.solid)
+        if not body.free and common > s.speck:
+            yield Finding(
+                "error",
+                body.key,
+                f"lies in a solid over {common:.3g} m2 (x {x0:g} to {x1:g}, z {z0:g} to {z1:g}): cut the shape, or "
+                "write below = level, which fills what is open",
+            )
+    deep, h = s.depth(), s.grid.spacing[-1]
+    if deep < 10 * h and deep < s.grid.size[-1] - h / 2:
+        yield Finding(
+            "warning",
+            "domain.spacing",
+            f"= {h:g} m gives {deep / h:.1f} cells over the water depth {deep:g} m: 10 or more carry waves, "
+            f"spacing = {deep / 10:.2g}",
+        )
+
+
+def bodies_agree(s: Section) -> Iterator[Finding]:
+    """Where two porous bodies overlap they must be the same material; a solid wins over a porous body."""
+    for i, one in enumerate(s.porous):
+        for other in s.porous[:i]:
+            common, (x0, z0, x1, z1) = s.overlap([one], [other])
+            alike = ("porosity", "grain_diameter", "resistance", "added_mass")
+            unlike = next((k for k in alike if getattr(one.entry, k) != getattr(other.entry, k)), None)
+            if common > s.speck and unlike:
+                a, b = getattr(other.entry, unlike), getattr(one.entry, unlike)
+                values = f"{a:g} against {b:g}" if isinstance(a, float) and isinstance(b, float) else "they differ"
+                yield Finding(
+                    "error",
+                    one.key,
+                    f"overlaps {other.key} over {common:.3g} m2 (x {x0:g} to {x1:g}, z {z0:g} to {z1:g}) with another "
+                    f"{unlike}, {values}: let them touch without overlap",
+                )
+        common, _ = s.overlap([one], s.solid)
+        if common > s.speck:
+            whole = max(s.area([one], y).area for y in s.layers)
+            level: Literal["error", "info"] = "error" if common > whole - s.speck else "info"
+            cure = "remove one of them" if level == "error" else "the solid holds there"
+            yield Finding(level, one.key, f"lies in a solid over {common:.3g} of its {whole:.3g} m2: {cure}")
+
+
+def grid_resolves(s: Section) -> Iterator[Finding]:
+    """Bodies and grains against the spacing."""
+    h = max(s.grid.spacing)
+    for body in s.porous:
+        thick = s.thickness(body)
+        across = thick / h
+        if across < ENOUGH:
+            yield Finding(
+                "error" if across < FEWEST * (1 - 1e-9) else "warning",
+                body.key,
+                f"is {thick:.3g} m thick, {across:.1f} spacings of {h:.3g} m: {FEWEST:g} are needed, {ENOUGH:g} are "
+                f"good; domain.spacing = {thick / ENOUGH:.2g}",
+            )
+        d = body.entry.grain_diameter
+        if d is not None and d > thick / 3:
+            hint = guess("grain_diameter", d, upper=thick / 3)
+            yield Finding(
+                "error" if d > thick else "warning",
+                f"{body.key}.grain_diameter",
+                f"= {d:g} m against a thickness of {thick:.3g} m: a law averages over several grains, give "
+                f"grain_diameter <= {thick / 3:.2g} m, or a and b measured on the body.{hint}",
+            )
+    for body in s.solid:
+        thick = s.thickness(body)
+        if thick < FEWEST * h:
+            yield Finding(
+                "warning",
+                body.key,
+                f"is {thick:.3g} m thick, {thick / h:.1f} spacings of {h:.3g} m: {FEWEST:g} or more hold water back, "
+                f"domain.spacing = {thick / FEWEST:.2g}",
+            )
+
+
+def spacing_divides(s: Section) -> Iterator[Finding]:
+    """The spacing used along each axis is close to the one asked for."""
+    asked = s.case.domain.spacing
+    for name, used, size in zip(axes(s.case), s.grid.spacing, s.grid.size, strict=True):
+        if abs(change := used / asked - 1) > 0.1:
+            yield Finding(
+                "warning",
+                "domain.spacing",
+                f"= {asked:g} m does not divide the length {size:g} m along {name}: {used:.4g} m is used, "
+                f"{100 * change:+.0f} %; choose a spacing that divides it",
+            )
+
+
+def instruments(s: Section) -> Iterator[Finding]:
+    """Gauges and sensors lie in the domain, sensors not in a solid."""
+    for i, gauge in enumerate(s.case.gauge):
+        key = place(("gauge", i), s.case.__dict__)
+        yield from _outside(s, f"{key}.x", gauge.x, 0)
+        if gauge.y is not None:
+            yield from _outside(s, f"{key}.y", gauge.y, 1)
+    for i, sensor in enumerate(s.case.sensor):
+        key = place(("sensor", i, "at"), s.case.__dict__)
+        for axis, value in enumerate(sensor.at):
+            yield from _outside(s, key, value, axis)
+        if inside := [b.key for b in s.solid if b.shape.distance(np.array(sensor.at)) < 0]:
+            yield Finding("error", key, f"= {show(sensor.at)} lies in {inside[0]}: move it into the water")
+
+
+def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]:
+    name, size = axes(s.case)[axis], s.case.domain.size[axis]
+    if not 0 <= value <= size:
+        hint = _metres(value, size)
+        yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")
+
+
+def gates(s: Section) -> Iterator[Finding]:
+    """Gates stand between two columns of cells, on a face of the grid."""
+    h, size = s.grid.spacing[0], s.case.domain.size[0]
+    for i, gate in enumerate(s.case.gate):
+        key = place(("gate", i, "x"), s.case.__dict__)
+        if not h / 2 < gate.x < size - h / 2:
+            hint = _metres(gate.x, size)
+            yield Finding("error", key, f"= {gate.x:g} does not lie inside the domain, 0 < x < {size:g} m.{hint}")
+        else:
+            text = f"= {gate.x:g} m: the gate stands on the nearest face of the grid, x = {round(gate.x / h) * h:.6g} m"
+            yield Finding("info", key, text)
+
+
+def times(s: Section) -> Iterator[Finding]:
+    """The clock of the run, its output, and a fixed step against the speed of the water."""
+    t, out = s.case.time, s.case.output
+    if out.every > t.end:
+        text = f"= {out.every:g} s is longer than time.end = {t.end:g} s: only the start is written, shorten it"
+        yield Finding("warning", "output.every", text)
+    if out.series_every > out.every:
+        text = f"= {out.series_every:g} s is longer than output.every = {out.every:g} s: 0.005 is usual"
+        yield Finding("warning", "output.series_every", text)
+    speed, h = expected_speed(s), min(s.grid.spacing)
+    if t.step is not None and (cells := t.step * speed / h) > 1:
+        yield Finding(
+            "warning",
+            "time.step",
+            f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m in one step: below 1 is "
+            f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
+        )
+
+
+def expected_speed(s: Section) -> float:
+    """sqrt(2 g times the drop of level), at least a tenth of the long-wave speed sqrt(g d) [m/s]."""
+    g = max(s.case.fluid.gravity, 1e-12)
+    return max(sqrt(2 * g * s.drop()), 0.1 * sqrt(g * s.depth()))
+
+
+def materials(s: Section) -> Iterator[Finding]:
+    """Values that are allowed and unusual: a slip of units more often than a wish."""
+    nu = s.case.fluid.viscosity
+    if nu > 1e-5:
+        hint = " 0.001 is the dynamic viscosity of water [Pa s]; divide by the density." if 5e-4 < nu < 2e-3 else ""
+        text = f"= {nu:g} m2/s is {nu / 1e-6:.0f} times that of water, 1e-06 m2/s.{hint}"
+        yield Finding("warning", "fluid.viscosity", text)
+    for body in s.porous:
+        n = body.entry.porosity
+        if not 0.2 <= n <= 0.9:
+            text = f"= {n:g} is unusual: rubble and sand lie between 0.3 and 0.6; 1 is clear water"
+            yield Finding("warning", f"{body.key}.porosity", text)
+
+
+def reference_is_there(s: Section) -> Iterator[Finding]:
+    """The laboratory file named can be opened."""
+    r, path = s.case.reference, s.case.path
+    if r is not None and path is not None and not (path.parent / r.surface).is_file():
+        text = (
+            f'= "{r.surface}" is not a file beside the case file, in {path.parent}: put it there, or remove [reference]'
+        )
+        yield Finding("error", "reference.surface", text)
+
+
+CHECKS = (
+    inside_domain,
+    water_is_somewhere,
+    bodies_agree,
+    grid_resolves,
+    spacing_divides,
+    instruments,
+    gates,
+    times,
+    materials,
+    reference_is_there,
+)

@@ -1,0 +1,131 @@
+"""What `houle check` shows beside the findings: passport of every body, price, picture of the section."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from houle import geometry
+from houle.case import Case
+from houle.checks import Body, Section, expected_speed
+from houle.resistance import Passport, passport
+
+MICROSECONDS = 1.0  # of one core per particle and step, everything on; `houle bench` measures yours
+BYTES = 250  # of memory per particle, its share of the grid included
+STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
+
+
+@dataclass(frozen=True)
+class Price:
+    """A guess, good to a factor of two or three."""
+
+    cells: int
+    particles: int
+    step: float  # [s]
+    steps: int
+    minutes: float  # on the threads asked for
+    memory: float  # [bytes]
+    disk: float  # [bytes]
+
+
+def gate_faces(case: Case) -> list[float]:
+    """Where every gate stands [m]: on the face of the grid nearest to its x."""
+    h = case.domain.grid.spacing[0]
+    return [round(gate.x / h) * h for gate in case.gate]
+
+
+def passports(case: Case) -> list[Passport]:
+    """One per porous body, at the Darcy velocity of steady flow under the hydraulic gradient it may see."""
+    section = Section(case)
+    drop = section.drop()
+    return [passport(b.entry, case.fluid, gradient=expected_gradient(section, b, drop)) for b in section.porous]
+
+
+def expected_gradient(section: Section, body: Body, drop: float) -> float:
+    """Drop of the level over the length of the body, at most 1 (water running down through it); STILL if level."""
+    if drop < section.grid.spacing[-1]:
+        return STILL
+    return float(min(1.0, drop / section.extent(body)[0]))
+
+
+def price(case: Case, threads: int = 1) -> Price:
+    """Particles, steps, minutes, memory and disk to expect."""
+    s = Section(case)
+    d, h, g = case.dimension, case.domain.spacing, s.grid
+    widths = [g.size[1] if y == geometry.EVERYWHERE and d == 3 else (y[1] - y[0] if d == 3 else 1.0) for y in s.layers]
+    water = sum(s.open_water(y).area * w for y, w in zip(s.layers, widths, strict=True))
+    particles, cells = round(water / g.cell_volume * 2**d), int(np.prod(g.shape))
+    slow = min([1.0, *(b.entry.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
+    step = case.time.step or case.time.courant * h / (expected_speed(s) / (1.0 if s.drop() > h else slow))
+    steps = int(np.ceil(case.time.end / step))
+    frames = 1 + case.time.end / case.output.every
+    per_frame = 4 * ((2 * d + 3) * particles + (d + 3) * cells)  # float32
+    rows = 8 * (20 + len(case.gauge) + (d + 1) * len(case.sensor)) * case.time.end / case.output.series_every
+    return Price(
+        cells=cells,
+        particles=particles,
+        step=step,
+        steps=steps,
+        minutes=particles * steps * MICROSECONDS * 1e-6 / 60 / threads**0.75,
+        memory=60e6 + BYTES * particles,
+        disk=0.6 * frames * per_frame + rows,
+    )
+
+
+def machine_memory() -> float | None:
+    """[bytes], where the system tells."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+def draw(case: Case, file: Path) -> None:
+    """The section of the case as a picture (3D: at mid width): water, porous bodies hatched, solids, gauges, gates."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    s = Section(case)
+    layer = next(y for y in s.layers if case.dimension == 2 or y[0] <= case.domain.size[1] / 2 <= y[1])
+    width, height = case.domain.size[0], case.domain.size[-1]
+    figure = Figure(figsize=(10, float(np.clip(10 * height / width, 1.5, 9)) + 1.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    _fill(axes, s.open_water(layer), facecolor="#a9d3ee", edgecolor="none", label="water")
+    hatches = ("xx", "\\\\", "//", "..", "oo")
+    for i, body in enumerate(s.porous):
+        words = f"{body.entry.name}, n = {body.entry.porosity:g}"
+        area = shapely.difference(s.area([body], layer), s.area(s.solid, layer))
+        _fill(axes, area, facecolor="none", edgecolor="#8a6d3b", hatch=hatches[i % 5], linewidth=1.2, label=words)
+    _fill(axes, s.area(s.solid, layer), facecolor="#777777", edgecolor="#333333", label="solid")
+    for face, gate in zip(gate_faces(case), case.gate, strict=True):
+        axes.plot([face, face], [0, height], color="#c0392b", linewidth=3, label=f"gate, {gate.speed:g} m/s", zorder=4)
+    for gauge in case.gauge:
+        axes.axvline(gauge.x, color="#2c3e50", linestyle="--", linewidth=0.9)
+        axes.annotate(gauge.name, (gauge.x, height), (0, 3), textcoords="offset points", ha="center", fontsize=8)
+    for sensor in case.sensor:
+        axes.plot(sensor.at[0], sensor.at[-1], "o", color="#2c3e50", markersize=5, clip_on=False)
+        axes.annotate(sensor.name, (sensor.at[0], sensor.at[-1]), (5, 5), textcoords="offset points", fontsize=8)
+    axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect="equal")
+    axes.set_title(case.case.title or case.case.name, loc="left", pad=18)
+    handles, labels = axes.get_legend_handles_labels()
+    unique = dict(zip(labels, handles, strict=True))
+    figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=min(5, len(unique)), frameon=False)
+    figure.savefig(file, dpi=150, format="png", metadata={"Title": f"section of {case.case.name}"})
+
+
+def _fill(axes: Any, area: shapely.Geometry, **style: Any) -> None:
+    """Polygons with their holes, one legend entry."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path as Outline
+
+    for part in shapely.get_parts(area):
+        if part.geom_type != "Polygon" or part.is_empty:
+            continue
+        rings = [Outline(np.asarray(r.coords), closed=True) for r in (part.exterior, *part.interiors)]
+        axes.add_patch(PathPatch(Outline.make_compound_path(*rings), **style))
