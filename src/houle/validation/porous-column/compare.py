@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.output.fields import read_fields
 from houle.validation.check import Check, Variant, report
 from houle.validation.exact import column_infiltration
 from houle.validation.measure import largest, rms, volume_checks, wetted_depth
@@ -56,7 +55,7 @@ def compare(run: Run) -> list[Check]:
 def _balance(run: Run, top: float, n: float, layer: float, width: float) -> float:
     """Largest defect of the layer seen by the gauge plus the water that the particles have brought into the bed."""
     series, defects = run.series, []
-    fields = read_fields(run.directory)
+    fields = run.fields
     for i, time in enumerate(fields.times):
         frame = fields.frame(i)
         left = float(np.interp(time, series.time.values, series.eta.isel(gauge=0).values)) - top

@@ -1,0 +1,229 @@
+"""Shipped cases are complete and load, their comparisons read runs rightly, and the engine tells the truth."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from rich.console import Console
+
+import houle.runner
+from houle.case import load
+from houle.case_files import shipped
+from houle.checks import check
+from houle.errors import CaseError, SimulationError
+from houle.validation import Check, cases, comparison, engine, measure, validate
+from houle.validation.check import Variant
+from houle.validation.exact import PorousMedium, column_infiltration
+from houle.validation.media import bed_top, medium
+
+NAMED = {  # what the project promises
+    "dam-break-rock-35",
+    "dam-break-rock-25",
+    "dam-break-beads",
+    "martin-moyce",
+    "hydrostatic-porous",
+    "porous-column",
+    "standing-wave",
+    "spheric-2",
+}
+RUNS = [(name, v.name, dict(v.overrides)) for name in cases() for v in comparison(name).variants]
+
+
+def gauges(signal, time, length=1.0, count=10):
+    """eta (gauge, time) of a surface 0.25 + signal(t) cos(pi x)."""
+    x = (np.arange(count) + 0.5) * length / count
+    eta = 0.25 + np.cos(np.pi * x / length)[:, None] * signal[None]
+    return xr.DataArray(eta, dims=("gauge", "time"), coords={"gauge_x": ("gauge", x), "time": time})
+
+
+def test_promised_cases_are_shipped_each_with_a_comparison():
+    assert NAMED <= set(shipped()) == set(cases())
+
+
+@pytest.mark.parametrize("name", cases())
+def test_case_says_where_it_comes_from(name):
+    folder = engine.FOLDER / name
+    assert load(name).case.name == name
+    assert len((folder / "README.md").read_text(encoding="utf-8")) > 200
+    for data in folder.glob("data/*.csv"):
+        head = data.read_text(encoding="utf-8").splitlines()[:6]
+        comment = " ".join(line for line in head if line.startswith("#"))
+        assert any(year in comment for year in ("1952", "1999", "2005")), "source"
+        assert "error" in comment.lower(), "measurement error"
+
+
+@pytest.mark.parametrize(("name", "variant", "overrides"), RUNS, ids=[f"{n}:{v}" for n, v, _ in RUNS])
+def test_every_variant_passes_the_pre_flight(name, variant, overrides):
+    case = load(name, overrides=overrides)
+    assert not [finding for finding in check(case) if finding.level == "error"]
+
+
+@pytest.mark.parametrize("name", cases())
+def test_variants_have_different_names_and_one_is_quick(name):
+    variants = comparison(name).variants
+    assert len({v.name for v in variants}) == len(variants)
+    assert any(v.quick for v in variants)
+
+
+def test_check_compares_and_nothing_passes_that_is_not_a_number():
+    assert Check("", 1.0, limit=1.0).passed and not Check("", 1.1, limit=1.0).passed
+    assert Check("", 2.0, limit=1.0, kind="min").passed and not Check("", 0.9, limit=1.0, kind="min").passed
+    assert Check("", 1.0, limit=(0.99, 1.01), kind="range").passed and not Check("", 1.02, limit=(0.99, 1.01)).passed
+    assert Check("", 5.0, kind="report").passed
+    assert not Check("", float("nan"), limit=1.0).passed and not Check("", float("inf"), kind="report").passed
+
+
+def test_front_stops_at_the_first_gap_and_ignores_drops_ahead():
+    x = np.array([0.5, 1.5, 2.5, 3.5, 4.5])
+    eta = xr.DataArray(
+        [[1.0, 0.6, 0.2, np.nan, 0.3], [np.nan] * 5, [1.0] * 5], dims=("time", "x"), coords={"x": x, "time": [0, 1, 2]}
+    )
+    assert measure.front_position(eta, 0.3) == pytest.approx([2.25, 0.0, 4.5])
+
+
+def test_wetted_depth_is_the_water_below_the_top_over_the_pores():
+    position = np.array([[0.5, 0.1], [0.5, 0.9], [0.5, 1.1]])
+    assert measure.wetted_depth(position, np.full(3, 0.02), 1.0, 0.4, 0.5) == pytest.approx(0.04 / 0.2)
+
+
+def test_fundamental_of_a_pure_wave_with_other_modes_and_a_level():
+    time = np.linspace(0.0, 1.0, 11)
+    wave = 0.02 * np.cos(3.0 * time)
+    eta = gauges(wave, time)
+    x = eta.gauge_x.values
+    other = 0.01 * np.cos(2 * np.pi * x) + 0.005 * np.cos(5 * np.pi * x)
+    assert measure.fundamental(eta + xr.DataArray(other, dims="gauge"), 1.0) == pytest.approx(wave, abs=1e-15)
+
+
+def test_sliding_amplitude_follows_a_slow_decay():
+    time = np.arange(0.0, 14.0, 0.01)
+    centres, amplitude = measure.sliding_amplitude(time, np.exp(-0.02 * time) * np.cos(2 * np.pi / 1.4 * time), 1.4)
+    assert amplitude == pytest.approx(np.exp(-0.02 * centres), rel=2e-3)
+
+
+def test_mean_period_counts_zero_crossings():
+    time = np.arange(0.0, 14.0, 0.01)
+    assert measure.mean_period(time, np.cos(2 * np.pi / 1.3 * time + 0.4)) == pytest.approx(1.3, rel=1e-5)
+    assert np.isnan(measure.mean_period(time, np.ones_like(time)))
+
+
+def test_noise_is_what_lies_above_the_cut():
+    time = np.arange(0.0, 2.0, 0.0025)
+    slow = 100.0 * np.exp(-time) + 5.0 * np.cos(2 * np.pi * 2.0 * time)
+    assert measure.noise(time, slow) < 0.05
+    assert measure.noise(time, slow + 3.0 * np.cos(2 * np.pi * 60.0 * time)) == pytest.approx(3 / np.sqrt(2), rel=0.02)
+
+
+def test_line_is_carried_on_to_the_face():
+    x, t = np.array([1.0, 2.0, 4.0]), np.array([0.0, 1.0])
+    assert measure.line_at(x, 3.0 + 2.0 * x[:, None] * (1 + t), 5.0) == pytest.approx(3.0 + 10.0 * (1 + t))
+
+
+def test_observed_order_and_grid_convergence_index():
+    spacings = [0.04, 0.02, 0.01]
+    assert measure.observed_order(spacings, [3.0 * s**1.7 for s in spacings]) == pytest.approx(1.7)
+    assert measure.grid_convergence_index(0.3, 2.0, 2.0) == pytest.approx(1.25 * 0.1)
+    assert np.isnan(measure.grid_convergence_index(0.3, 2.0, -0.5))
+
+
+def test_medium_of_a_case_is_that_of_the_exact_solution():
+    case = load("porous-column")
+    found = medium(case.porous[0], case.fluid)
+    known = PorousMedium.van_gent(0.49, 0.0159, 500.0, 2.0 * (1 + 7.5 / 128))
+    assert (found.a, found.b, found.inertia) == pytest.approx((known.a, known.b, known.inertia))
+    slope = comparison("porous-column").variants[2]
+    assert bed_top(load("porous-column", overrides=dict(slope.overrides)).porous[0]) == pytest.approx(0.45)
+
+
+def standing_wave(decay=0.0005, stretch=1.0):
+    """A run of standing-wave as it should be, or with a decay rate [1/s] or a wrong period."""
+    case = load("standing-wave")
+    time = np.arange(0.0, case.time.end + 1e-9, 0.01)
+    wave = 0.02 * np.exp(-decay * time) * np.cos(2 * np.pi / (1.396157 * stretch) * time)
+    ledger = {"kinetic_energy": 0.0, "potential_energy": 1.0, "volume": 0.25, "volume_drift": 0.0, "mean_level": 0.25}
+    series = xr.Dataset({k: ("time", np.broadcast_to(v, time.shape)) for k, v in ledger.items()}, {"time": time})
+    return SimpleNamespace(case=case, series=series.assign(eta=gauges(wave, time)))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "missed"),
+    [
+        ({}, []),
+        ({"decay": 0.01}, ["amplitude after 10 periods"]),
+        ({"decay": -0.001}, ["amplitude after 10 periods", "amplitude, largest"]),
+        ({"stretch": 1.004}, ["period error"]),
+    ],
+)
+def test_standing_wave_comparison_sees_loss_growth_and_a_wrong_period(wrong, missed):
+    checks = comparison("standing-wave").compare(standing_wave(**wrong))
+    assert [c.name for c in checks if not c.passed] == missed
+
+
+def test_column_comparison_sees_a_wrong_front(tmp_path):
+    """Fed with the exact solution it finds no error; with the Darcy velocity taken for the pore velocity it does."""
+    case = load("porous-column")
+    time = np.arange(0.0, 1.2001, 0.005)
+    depth, left, _ = column_infiltration(time, medium(case.porous[0], case.fluid), 0.2)
+    errors = []
+    for slow in (1.0, 0.49):
+        layer = 0.2 - slow * (0.2 - left)
+        series = xr.Dataset(
+            {
+                "eta": (("gauge", "time"), layer[None] + 0.45),
+                "volume": ("time", np.full(time.size, 0.01)),
+                "volume_drift": ("time", np.zeros(time.size)),
+                "mean_level": ("time", np.full(time.size, 0.2)),
+            },
+            {"time": time},
+        )
+        position = np.stack([np.full(2, 0.025), [0.3, 0.5]], axis=1)
+        frame = SimpleNamespace(position=position, volume=np.array([0.05 * 0.49 * depth[-1], 0.05 * left[-1]]))
+        fields = SimpleNamespace(times=[1.2], frame=lambda i, frame=frame: frame)
+        run = SimpleNamespace(case=case, series=series, fields=fields, directory=tmp_path)
+        errors.append([c for c in comparison("porous-column").compare(run) if "depth" in c.name and not c.passed])
+    assert not errors[0] and len(errors[1]) == 2
+
+
+def quiet():
+    return Console(quiet=True)
+
+
+def test_unknown_case_is_refused_before_anything_runs():
+    with pytest.raises(CaseError, match="standing-wave"):
+        validate(["standing-wave", "sitting-wave"], console=quiet())
+
+
+@pytest.mark.parametrize(("value", "status"), [(0.5, 0), (2.0, 1), (float("nan"), 1)])
+def test_exit_status_follows_the_checks(monkeypatch, value, status):
+    judged = engine.Comparison(lambda run: [Check("it", value, limit=1.0)], (Variant(),))
+    monkeypatch.setattr(engine, "comparison", lambda name: judged)
+    monkeypatch.setattr(houle.runner, "run", lambda case, **_: SimpleNamespace(case=case))
+    assert validate(["standing-wave"], console=quiet()) == status
+
+
+def test_a_failed_run_is_a_line_of_the_table_and_the_others_go_on(monkeypatch, tmp_path):
+    def run(case, out, threads):
+        if case.domain.spacing > 0.005:
+            raise SimulationError("the pressure did not converge")
+        return SimpleNamespace(case=case)
+
+    judged = engine.Comparison(
+        lambda run: [Check("spacing", run.case.domain.spacing, "m", 1.0)],
+        (Variant("coarse", {"domain.spacing": 0.02}), Variant()),
+    )
+    monkeypatch.setattr(engine, "comparison", lambda name: judged)
+    monkeypatch.setattr(houle.runner, "run", run)
+    console = Console(record=True, width=160)
+    assert validate(["porous-column"], out=tmp_path, console=console) == 1
+    text = console.export_text()
+    assert "did not converge" in text and "0.005 m" in text
+
+
+def test_quick_leaves_out_what_is_not(monkeypatch):
+    ran = []
+    judged = engine.Comparison(lambda run: [], (Variant("slow", quick=False), Variant("fast")))
+    monkeypatch.setattr(engine, "comparison", lambda name: judged)
+    monkeypatch.setattr(houle.runner, "run", lambda case, out, threads: ran.append(out.name))
+    assert validate(["porous-column"], quick=True, console=quiet()) == 0
+    assert ran == ["porous-column-fast"]
