@@ -110,33 +110,40 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* poros
   });
 }
 
-// The excess of each active cell that the position correction spreads: omega n E, E = clip(F - 1, +-0.25); next to
-// air only an excess counts, since a deficit there is the surface itself. For -div grad psi = rhs / dt-free units.
+// The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
+// -div grad psi = omega n E (psi: potential of the Darcy displacement). In a single-valued column E is the fill less what
+// a flat surface at the column's level gives, so the excess of a column sums to zero and the correction does not move
+// the surface. Elsewhere E = F - 1, next to air only where positive, since there a deficit is the surface itself.
 template <int D>
-inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const double* fill, const double* open,
-                           const double* porosity, double omega, double* rhs) {
+inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
+                           const double* fill, const double* open, const double* porosity, double omega, double* rhs) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return;
     const auto i = Grid<D>::unflat(c, g.shape);
-    bool inner = true;
-    index neighbours = 1;
-    for (int a = 0; a < D; ++a) neighbours *= 3;
-    for (index q = 0; q < neighbours && inner; ++q) {
-      index n = 0, code = q;
-      bool outside = false;
-      for (int a = 0; a < D; ++a) {
-        index j = i[a] + code % 3 - 1;
-        code /= 3;
-        if (g.periodic[a]) j = (j + g.shape[a]) % g.shape[a];
-        outside = outside || j < 0 || j >= g.shape[a];
-        n += j * stride[a];
-      }
-      if (!outside && !active[n] && open[n] > 0.0) inner = false;
-    }
     double excess = fill[c] - 1.0;
-    if (!inner && excess < 0.0) excess = 0.0;
+    if (!std::isnan(column[c / g.shape[D - 1]])) {
+      const double d = depth[c];
+      excess = fill[c] - (d >= 1.0 ? 1.0 : 1.0 - 0.5 * (1.0 - d) * (1.0 - d));
+    } else {
+      bool inner = true;
+      index neighbours = 1;
+      for (int a = 0; a < D; ++a) neighbours *= 3;
+      for (index q = 0; q < neighbours && inner; ++q) {
+        index n = 0, code = q;
+        bool outside = false;
+        for (int a = 0; a < D; ++a) {
+          index j = i[a] + code % 3 - 1;
+          code /= 3;
+          if (g.periodic[a]) j = (j + g.shape[a]) % g.shape[a];
+          outside = outside || j < 0 || j >= g.shape[a];
+          n += j * stride[a];
+        }
+        if (!outside && !active[n] && open[n] > 0.0) inner = false;
+      }
+      if (!inner && excess < 0.0) excess = 0.0;
+    }
     excess = excess > 0.25 ? 0.25 : (excess < -0.25 ? -0.25 : excess);
     rhs[c] = omega * (porosity ? porosity[c] : 1.0) * excess;
   });

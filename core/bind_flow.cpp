@@ -1,6 +1,7 @@
 // Bindings of surface.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving particles.
 #include "advect.hpp"
 #include "bind.hpp"
+#include "energy.hpp"
 
 namespace houle {
 
@@ -123,6 +124,17 @@ static void bind(nb::module_& m) {
       "grid"_a, "layers"_a, "near"_a, "mass"_a, "keep_mass"_a, "u"_a, "known"_a,
       "Carries known face velocities outwards by averaging, layer by layer.");
   m.def(
+      "continue_upwards",
+      [](G g, int layers, Mask active, Field column, FaceFields u) {
+        require_cells(g, active.size(), "active");
+        require_size(column.size(), g.cells() / g.shape[D - 1], "column");
+        const auto uu = faces_of(g, u, "velocity");
+        nb::gil_scoped_release release;
+        continue_upwards<D>(g, layers, active.data(), column.data(), uu);
+      },
+      "grid"_a, "layers"_a, "active"_a, "column"_a, "u"_a,
+      "Divergence-free vertical velocity above the surface of single-valued columns.");
+  m.def(
       "move",
       [](G g, FaceFields u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x) {
         const index n = points_of<D>(x, "position");
@@ -136,15 +148,18 @@ static void bind(nb::module_& m) {
       "Moves the particles with the pore velocity, midpoint rule.");
   m.def(
       "density_excess",
-      [](G g, Mask active, Field fill, Field open, OptionalField porosity, double omega, Field rhs) {
+      [](G g, Mask active, Field depth, Field column, Field fill, Field open, OptionalField porosity, double omega,
+         Field rhs) {
         require_cells(g, active.size(), "active");
         require_cells(g, fill.size(), "fill");
         require_cells(g, open.size(), "open");
         require_cells(g, rhs.size(), "rhs");
+        require_cells(g, depth.size(), "depth");
+        require_size(column.size(), g.cells() / g.shape[D - 1], "column");
         nb::gil_scoped_release release;
-        density_excess<D>(g, active.data(), fill.data(), open.data(), pointer(porosity), omega, rhs.data());
+        density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity), omega, rhs.data());
       },
-      "grid"_a, "active"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
+      "grid"_a, "active"_a, "depth"_a, "column"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
       "Right-hand side of the position correction: the share of each cell's excess fill to be spread.");
   m.def(
       "displace",
@@ -161,7 +176,43 @@ static void bind(nb::module_& m) {
       "shift"_a, "Moves the particles along a displacement given on the faces.");
 }
 
+static void bind_sums(nb::module_& m) {
+  m.def(
+      "kinetic_energy",
+      [](Field bulk, OptionalField inertia, Field u) {
+        const index n = static_cast<index>(bulk.size());
+        if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
+        require_size(u.shape(0), n, "velocity");
+        if (inertia) require_size(inertia->size(), n, "inertia");
+        nb::gil_scoped_release release;
+        return u.shape(1) == 2 ? kinetic_energy<2>(n, bulk.data(), pointer(inertia), u.data())
+                               : kinetic_energy<3>(n, bulk.data(), pointer(inertia), u.data());
+      },
+      "bulk"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the particles per unit density.");
+  m.def(
+      "face_kinetic_energy",
+      [](Field mass, OptionalField inertia, Field u) {
+        require_size(u.size(), static_cast<index>(mass.size()), "velocity");
+        if (inertia) require_size(inertia->size(), static_cast<index>(mass.size()), "inertia");
+        nb::gil_scoped_release release;
+        return face_kinetic_energy(static_cast<index>(mass.size()), mass.data(), pointer(inertia), u.data());
+      },
+      "mass"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the faces of one axis per unit density.");
+  m.def(
+      "weighted_sum",
+      [](Field weight, Field value, index column) {
+        const index n = static_cast<index>(weight.size());
+        if (value.ndim() != 2 || column < 0 || column >= static_cast<index>(value.shape(1)))
+          throw std::invalid_argument("value must have shape (N, d) with a column of that number");
+        require_size(value.shape(0), n, "value");
+        nb::gil_scoped_release release;
+        return weighted_sum(n, weight.data(), value.data() + column, static_cast<index>(value.shape(1)));
+      },
+      "weight"_a, "value"_a, "column"_a, "Sum of weight times one column, in blocks: the same for any threads.");
+}
+
 void bind_flow(nb::module_& m) {
+  bind_sums(m);
   bind<2>(m);
   bind<3>(m);
 }

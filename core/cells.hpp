@@ -246,4 +246,37 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
   close_periodic(g, u);
 }
 
+// Above the surface of single-valued columns (`column` not NaN), the vertical velocity that keeps div u = 0 with the
+// horizontal velocities carried there: the water between the last pressure cell and the surface must not be squeezed.
+// Overwrites `layers` faces above the topmost active cell of each column.
+template <int D>
+inline void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* active, const double* column,
+                             Faces<D> u) {
+  constexpr int up = D - 1;
+  const index nz = g.shape[up], columns = g.cells() / nz;
+  std::array<index, D> shape = g.shape;
+  shape[up] = 1;
+  parallel_for(
+      columns,
+      [=](index c) {
+        if (std::isnan(column[c])) return;
+        index top = nz - 1;
+        while (top >= 0 && !active[c * nz + top]) --top;
+        if (top < 0) return;
+        auto i = Grid<D>::unflat(c, shape);
+        for (index k = top + 1; k < std::min(top + 1 + layers, nz - 1); ++k) {
+          i[up] = k;
+          double squeeze = 0.0;
+          for (int a = 0; a < up; ++a) {
+            const auto stride = Grid<D>::strides(g.face_shape(a));
+            const index f = Grid<D>::flat(i, stride);
+            squeeze += (u[a][f + stride[a]] - u[a][f]) / g.h[a];
+          }
+          const index f = c * (nz + 1) + k;
+          u[up][f + 1] = u[up][f] - g.h[up] * squeeze;
+        }
+      },
+      64);
+}
+
 }  // namespace houle

@@ -1,0 +1,29 @@
+// Sums for the ledger: kinetic and potential energy, momentum, volume. Block-wise, so the same for any threads.
+#pragma once
+
+#include "kernels.hpp"
+
+namespace houle {
+
+// 1/2 sum_p (V/n) J |u_d|^2, J = C_r/n: the energy whose rate is the work of forces less the drag, per unit density.
+// bulk (n,) V/n; inertia (n,) J at the particles, null in clear water.
+template <int D>
+inline double kinetic_energy(index n, const double* bulk, const double* inertia, const double* u) {
+  return parallel_sum(n, [=](index p) {
+    double s = 0.0;
+    for (int a = 0; a < D; ++a) s += u[D * p + a] * u[D * p + a];
+    return 0.5 * bulk[p] * (inertia ? inertia[p] : 1.0) * s;
+  });
+}
+
+// 1/2 sum_f m_f J_f u_f^2 over the faces of one axis
+inline double face_kinetic_energy(index n, const double* mass, const double* inertia, const double* u) {
+  return parallel_sum(n, [=](index f) { return 0.5 * mass[f] * (inertia ? inertia[f] : 1.0) * u[f] * u[f]; });
+}
+
+// sum_p weight_p value_p, value one column of an (n, D) array
+inline double weighted_sum(index n, const double* weight, const double* value, index stride) {
+  return parallel_sum(n, [=](index p) { return weight[p] * value[p * stride]; });
+}
+
+}  // namespace houle

@@ -1,0 +1,132 @@
+"""The state one time step works on: particles, fields on the grid, and the work space that is allocated once."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from houle import _core
+from houle.grid import Faces, FloatArray, Grid
+from houle.particles import Particles
+from houle.porous import Medium
+
+
+class Flow:
+    """Particles on a grid in a medium. Arrays are reused from step to step; those of the particles grow if needed.
+
+    After each operation of `step.py` the names below hold what their comments say.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        medium: Medium,
+        particles: Particles,
+        *,
+        gravity: tuple[float, ...],
+        kernel: str = "linear",
+        tolerance: float = 1e-6,
+        columns: bool = True,
+    ) -> None:
+        self.grid, self.medium, self.particles = grid, medium, particles
+        self.gravity = tuple(float(g) for g in gravity)
+        self.kernel = kernel
+        self.tolerance = tolerance  # max |div u_d| dt left by the projection
+        self.columns = columns  # place the surface by column volumes where it is single-valued
+        self.porous = bool(np.any(medium.porosity < 1.0))
+
+        g = grid
+        capacity = medium.tent_porosity * g.cell_volume  # what a tent of full pores holds [m^d]
+        self.inverse_tent_volume = np.divide(1.0, capacity, out=np.zeros_like(capacity), where=capacity > 1e-9 * g.cell_volume)
+        self.fill = g.cells()  # water volume / pore volume, tent-smoothed
+        self.depth = g.cells()  # of the cell centre below the free surface [cells]
+        self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
+        self.eta = np.zeros(g.shape[:-1])  # level of the free surface [m], NaN where dry
+        self.column = np.zeros(g.shape[:-1])
+        self.velocity = g.faces()  # Darcy velocity [m/s]
+        self.face_mass = g.faces()  # bulk volume that each face carries [m^d]
+        self.face_work = g.faces()
+        self.drag = g.faces(1.0)  # factor by which the implicit resistance scales the old velocity
+        self.mobility = g.faces()  # factor of grad p in the projection [s]
+        self.valid = [np.zeros(g.face_shape(a), np.uint8) for a in range(g.dimension)]
+        self.old_velocity = g.faces()
+        self.pressure = g.cells()  # p / rho [m2/s2]
+        self.psi = g.cells()  # potential of the position correction [m2]
+        self.extra: Faces = []  # further accelerations on the faces [m/s2]; empty: none
+        self.coefficient = g.faces()
+        self.dirichlet = g.cells()
+        self.rhs = g.cells()
+        self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
+        self.open_faces = [f.copy() for f in medium.open_faces]  # less what gates close
+
+        solver = _core.PressureSolver2 if g.dimension == 2 else _core.PressureSolver3
+        self.solver = solver(g.core)
+        self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
+        self.refresh_particles()
+
+    # ---- arrays per particle -------------------------------------------------------------------------------------
+
+    def refresh_particles(self) -> None:
+        """Work space for the present number of particles."""
+        n, d = self.particles.position.shape
+        self.cell, self.order = np.zeros(n, np.int64), np.zeros(n, np.int64)
+        self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
+        self.bulk = self.particles.volume.copy()  # V / n
+        self.shift = np.zeros((n, d))
+        self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
+        self.inertia: FloatArray | None = np.ones(n) if self.porous else None
+
+    def sample_medium(self) -> None:
+        """Porosity, bulk volume and inertia at the present positions."""
+        p, core = self.particles, self.grid.core
+        if self.porous:
+            _core.gather_cells(core, p.position, self.medium.porosity, self.porosity)
+            np.divide(p.volume, self.porosity, out=self.bulk)
+            _core.gather_cells(core, p.position, self.cell_inertia, self.inertia)
+        if self.kernel.startswith("gaussian"):
+            self.side = self.bulk ** (1.0 / self.grid.dimension)
+
+    @property
+    def cell_inertia(self) -> FloatArray:
+        if not hasattr(self, "_cell_inertia"):
+            d = self.grid.dimension
+            parts = [
+                0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in enumerate(self.medium.inertia)
+            ]
+            self._cell_inertia = np.ascontiguousarray(sum(parts) / d)
+        return self._cell_inertia
+
+    # ---- derived -------------------------------------------------------------------------------------------------
+
+    def velocity_change(self) -> Faces:
+        """What forces and pressure added to each face, for FLIP: new - drag * old, carried outwards like velocities."""
+        change = [n - d * o for n, d, o in zip(self.velocity, self.drag, self.old_velocity, strict=True)]
+        known = [(v == 1).astype(np.uint8) for v in self.valid]
+        _core.extrapolate(self.grid.core, 6, 2, self.face_mass, 1e-3 * self.grid.cell_volume, change, known)
+        return change
+
+    def kinetic_energy(self) -> float:
+        return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)
+
+    def grid_kinetic_energy(self) -> float:
+        inertia = self.medium.inertia if self.porous else [None] * self.grid.dimension
+        return sum(
+            _core.face_kinetic_energy(m, j, u)
+            for m, j, u in zip(self.face_mass, inertia, self.velocity, strict=True)
+        )
+
+    def potential_energy(self) -> float:
+        d = self.grid.dimension
+        return -sum(
+            g * _core.weighted_sum(self.particles.volume, self.particles.position, a)
+            for a, g in enumerate(self.gravity[:d])
+            if g != 0.0 and not self.grid.periodic[a]
+        )
+
+    def max_pore_speed(self) -> FloatArray:
+        """Largest |u_d| / n of the particles along each axis [m/s]."""
+        speed = np.abs(self.particles.velocity)
+        if self.porous:
+            speed = speed / self.porosity[:, None]
+        return speed.max(axis=0, initial=0.0)

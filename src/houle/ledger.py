@@ -1,0 +1,63 @@
+"""The ledger: what each operation of a step did to the energy, and what the run has conserved.
+
+Energies are per step of the sequence in `step.py`, kinetic + potential. Inside a step the kinetic energy is that of the
+particles, except between the two transfers, where it is that of the faces; so the changes of all operations add up to
+the change of the particles' energy, and source and sink have a name. Units: m^d m2/s2 inside, times the density outside.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from houle.flow import Flow
+
+OPERATIONS = ("forces", "projection", "transfer", "advection", "correction", "remeshing")
+
+
+class Ledger:
+    """Seconds and energy change of every operation, summed since the start of the run; notes of the last step."""
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow = flow
+        self.seconds: dict[str, float] = {}
+        self.energy: dict[str, float] = dict.fromkeys(OPERATIONS, 0.0)
+        self.notes: dict[str, float] = {}
+        self.volume0 = flow.particles.total_volume
+        self.on_grid = False
+
+    @contextmanager
+    def operation(self, name: str) -> Iterator[None]:
+        """Times an operation and books what it did to the energy."""
+        begin = time.perf_counter()
+        yield
+        middle = time.perf_counter()
+        if name in self.energy:
+            self._book(name)
+        self.seconds[name] = self.seconds.get(name, 0.0) + middle - begin
+        self.seconds["ledger"] = self.seconds.get("ledger", 0.0) + time.perf_counter() - middle
+
+    def _book(self, name: str) -> None:
+        flow = self.flow
+        kinetic, potential = self.kinetic, self.potential
+        if name == "transfer":
+            self.on_grid = not self.on_grid
+        if name in ("transfer", "forces", "projection"):
+            kinetic = flow.grid_kinetic_energy() if self.on_grid else flow.kinetic_energy()
+        else:
+            potential = flow.potential_energy()
+            if name == "remeshing":
+                kinetic = flow.kinetic_energy()
+        self.energy[name] += kinetic + potential - self.kinetic - self.potential
+        self.kinetic, self.potential = kinetic, potential
+
+    def open(self) -> None:
+        """At the start of a step."""
+        self.kinetic, self.potential = self.flow.kinetic_energy(), self.flow.potential_energy()
+        self.on_grid = False
+
+    def note(self, **values: float) -> None:
+        self.notes.update(values)

@@ -1,0 +1,96 @@
+"""Particle <-> grid transfers. To add one: copy the shortest class, change its two methods, add a line to `make`.
+
+Each strategy has
+    to_grid(flow)              particle velocities -> flow.velocity and flow.face_mass
+    to_particles(flow, shift)  flow.velocity -> particle velocities, at the positions of to_grid
+and may carry per-particle state in `arrays` (sorted, remeshed and saved with the particles).
+The mass of a particle in a transfer is its bulk volume V/n, so that what is conserved is sum V/n u_d = sum V u.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from houle import _core
+from houle.grid import FloatArray
+
+if TYPE_CHECKING:
+    from houle.flow import Flow
+
+
+class Transfer(Protocol):
+    arrays: dict[str, FloatArray]
+
+    def to_grid(self, flow: Flow) -> None: ...
+
+    def to_particles(self, flow: Flow) -> None: ...
+
+
+def _cloud(flow: Flow) -> tuple:
+    return flow.grid.core, flow.kernel, flow.particles.position, flow.side, flow.bulk, flow.start
+
+
+class Pic:
+    """The velocity of a particle is the grid's: stable and very dissipative (Harlow 1955)."""
+
+    def __init__(self) -> None:
+        self.arrays: dict[str, FloatArray] = {}
+
+    def to_grid(self, flow: Flow) -> None:
+        _core.to_faces(*_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.face_mass)
+
+    def to_particles(self, flow: Flow) -> None:
+        _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, flow.particles.velocity)
+
+
+class Fmpm(Pic):
+    """PIC with the full mass matrix, inverted to `order` terms: FMPM(k), Nairn & Hammerquist (2021).
+
+    The face velocities are those whose interpolation is nearest to the particles', in the norm of kinetic energy. A
+    term more filters less: order 1 is PIC, order -> infinity the conservative l2 projection (Maljaars et al. 2018).
+    Neither adds kinetic energy nor keeps, as FLIP does, velocities that the grid cannot see.
+    """
+
+    def __init__(self, order: int) -> None:
+        super().__init__()
+        self.order = order
+
+    def to_grid(self, flow: Flow) -> None:
+        super().to_grid(flow)
+        for _ in range(1, self.order):
+            _core.add_residual(*_cloud(flow), flow.particles.velocity, flow.face_mass, flow.velocity, flow.face_work)
+
+
+class Flip(Pic):
+    """Particles keep their velocity and take the change of the grid's (Brackbill & Ruppel 1986), blended with PIC."""
+
+    def __init__(self, share: float) -> None:
+        super().__init__()
+        self.share = share
+
+    def to_particles(self, flow: Flow) -> None:
+        _core.to_particles(
+            *_cloud(flow), flow.velocity, flow.velocity_change(), flow.drag, self.share, flow.particles.velocity
+        )
+
+
+class Apic(Pic):
+    """PIC that also carries the velocity gradient of each particle (Jiang et al. 2015): `affine` (N, d, d)."""
+
+    def to_grid(self, flow: Flow) -> None:
+        n, d = flow.particles.position.shape
+        if "affine" not in self.arrays:
+            self.arrays["affine"] = np.zeros((n, d, d))
+        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], flow.velocity, flow.face_mass)
+
+    def to_particles(self, flow: Flow) -> None:
+        super().to_particles(flow)
+        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"])
+
+
+def make(name: str, *, flip: float, order: int) -> Transfer:
+    """The transfer a case names: "pic", "fmpm", "flip" or "apic"."""
+    choices = {"pic": Pic, "fmpm": lambda: Fmpm(order), "flip": lambda: Flip(flip), "apic": Apic}
+    return choices[name]()  # type: ignore[no-untyped-call]
