@@ -335,7 +335,7 @@ def times(s: Section) -> Iterator[Finding]:
         yield Finding(
             "warning",
             "time.step",
-            f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m in one step: below 1 is "
+            f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m a step: below 1 is "
             f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
         )
 

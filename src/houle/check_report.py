@@ -1,0 +1,71 @@
+"""`houle check`: findings, grid, passports and price on the terminal, the section as a picture."""
+
+from __future__ import annotations
+
+from math import inf
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from houle import preflight
+from houle.case import Case
+from houle.checks import axes, require
+from houle.resistance import REFERENCE_VELOCITY, Passport
+
+
+def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:
+    """Raises CaseError when the case cannot be run: nothing is printed or drawn then."""
+    console = console or Console(highlight=False)
+    findings = require(case)
+    console.print(f"[bold]{escape(case.case.title or case.case.name)}[/]")
+    for finding in findings:
+        colour = "yellow" if finding.level == "warning" else "cyan"
+        console.print(f"[{colour}]{finding.level}[/] {escape(str(finding))}", soft_wrap=True)
+    console.print(_grid(case), soft_wrap=True)
+    for body in preflight.passports(case):
+        console.print(_passport(body))
+        for warning in body.warnings:
+            console.print(f"[yellow]warning[/] porous.{escape(body.name)}: {escape(warning)}", soft_wrap=True)
+    console.print(_price(case, threads or 1), soft_wrap=True)
+    preflight.draw(case, picture)
+    console.print(f"Section drawn: {picture}", soft_wrap=True)
+
+
+def _grid(case: Case) -> str:
+    grid = case.domain.grid
+    cells = " x ".join(map(str, grid.shape))
+    spacing = ", ".join(f"{h * 1000:.5g} mm in {axis}" for h, axis in zip(grid.spacing, axes(case), strict=True))
+    return f"Grid: {cells} cells; spacing {spacing} (asked for {case.domain.spacing * 1000:g} mm)"
+
+
+def _passport(p: Passport) -> Table:
+    """Every convention side by side, so that a coefficient can be compared with any paper."""
+    table = Table(title=f"porous body {p.name}", title_justify="left", show_header=False)
+    grain = f", d50 = {p.grain_diameter * 1000:g} mm" if p.grain_diameter else ""
+    table.add_row("law", escape(p.words))
+    table.add_row("source", escape(f"{p.source}; {p.status}" if p.status else p.source))
+    table.add_row("material", f"n = {p.porosity:g}{grain}, C_r = {p.inertia:.4g}")
+    table.add_row("drag per unit mass", f"a u_d + b |u_d| u_d with a = {p.a:.4g} 1/s, b = {p.b:.4g} 1/m")
+    table.add_row("the same as", f"K_p = nu/a = {p.permeability:.4g} m2, C_f = b sqrt(K_p) = {p.forchheimer:.4g}")
+    table.add_row(f"at u_d = {REFERENCE_VELOCITY:g} m/s", f"drag = {p.reference_gradient:.3g} g")
+    if p.velocity < inf:
+        number = "" if p.reynolds is None else f", u_d d50/nu = {p.reynolds:.0f}"
+        table.add_row(
+            "expected",
+            f"u_d = {p.velocity:.3g} m/s, steady flow under a hydraulic gradient of {p.gradient:.2g} (level drop / "
+            f"length, at most 1); linear share of the drag {100 * p.linear_share:.0f} %{number}",
+        )
+    return table
+
+
+def _price(case: Case, threads: int) -> str:
+    p, available = preflight.price(case, threads), preflight.machine_memory()
+    minutes = f"{p.minutes:.0f} min" if p.minutes >= 1.5 else f"{60 * p.minutes:.0f} s"
+    memory = f"{p.memory / 1e6:.0f} MB of memory"
+    if available is not None and p.memory > 0.8 * available:
+        memory += f" [red](this machine has {available / 1e6:.0f} MB: take a larger domain.spacing)[/]"
+    work = f"{p.particles} particles, {p.steps} steps of {1000 * p.step:.2g} ms"
+    on = f"{minutes} on {threads} thread{'s' if threads > 1 else ''}"
+    return f"Cost, a guess within a factor of 3: {work}, {on}, {memory}, {p.disk / 1e6:.0f} MB of results"

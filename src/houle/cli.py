@@ -1,0 +1,175 @@
+"""The command line. A command reads its arguments, calls one function and sets the exit status, nothing else.
+
+Exit status: 0 done; 2 the input is wrong (one message, nothing written); 3 the run failed; 130 interrupted.
+What a command needs is imported inside it, so that `houle --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from houle.errors import HouleError, SimulationError
+
+app = typer.Typer(
+    help="Waves and dam-break flow through porous structures. CASE is a file, or the name of a shipped case.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+CaseArgument = Annotated[str, typer.Argument(metavar="CASE", help="Case file, or name of a shipped case.")]
+Overrides = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key: domain.spacing=0.01. Repeatable.")
+]
+Threads = Annotated[int | None, typer.Option(min=1, help="Threads; all cores when left out. Results do not change.")]
+Until = Annotated[float | None, typer.Option(help="Stop at this simulated time [s]; `houle resume` goes on.")]
+
+
+def ending(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Turns what went wrong into one message on standard error and the exit status."""
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, **options: Any) -> Any:
+        try:
+            return command(*args, **options)
+        except HouleError as error:
+            status, message = 3 if isinstance(error, SimulationError) else 2, str(error)
+        except KeyboardInterrupt as stop:
+            status, message = 130, str(stop) or "interrupted"
+        except OSError as error:
+            where = f"{error.filename}: " if error.filename else ""
+            status, message = 2, f"{where}{error.strerror or error}"
+        typer.echo("houle: " + message.replace("\n", "\n       "), err=True)
+        raise typer.Exit(status)
+
+    return wrapped
+
+
+@app.callback(invoke_without_command=True)
+def about(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+    if version:
+        import houle
+
+        typer.echo(f"houle {houle.__version__}")
+        raise typer.Exit
+
+
+@app.command()
+@ending
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the case.")]) -> None:
+    """Write NAME.toml, a commented case file to start from."""
+    from houle.new import write
+
+    file = write(name)
+    typer.echo(f"{file} written. Next: houle check {file}")
+
+
+@app.command()
+@ending
+def check(
+    case: CaseArgument,
+    overrides: Overrides = None,
+    threads: Threads = None,
+    picture: Annotated[Path, typer.Option(help="Where the picture of the section goes.")] = Path("section.png"),
+) -> None:
+    """Look at a case: findings, coefficients, cost, picture of the section. Runs nothing."""
+    from houle import check_report
+    from houle.case import load
+
+    check_report.show(load(case, _changes(overrides)), picture, threads)
+
+
+@app.command()
+@ending
+def run(
+    case: CaseArgument,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Result folder; runs/<case name> when left out.")
+    ] = None,
+    threads: Threads = None,
+    until: Until = None,
+    overrides: Overrides = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing while it works.")] = False,
+) -> None:
+    """Compute a case."""
+    import houle
+
+    houle.run(case, out=out, threads=threads, until=until, progress=not quiet, overrides=_changes(overrides))
+
+
+@app.command()
+@ending
+def resume(
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of an interrupted run.")],
+    threads: Threads = None,
+    until: Until = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing while it works.")] = False,
+) -> None:
+    """Go on from the newest good checkpoint, bitwise as if the run had not stopped."""
+    import houle
+
+    houle.resume(directory, threads=threads, until=until, progress=not quiet)
+
+
+@app.command()
+@ending
+def describe(
+    topic: Annotated[
+        str,
+        typer.Argument(
+            metavar="TOPIC", help="resistance | kernels | transfers | remeshing | numerics | fields | schema"
+        ),
+    ],
+) -> None:
+    """Explain the choices a case file offers, with citations; `schema` prints the JSON Schema."""
+    from rich.console import Console
+
+    from houle.case_errors import nearest
+    from houle.describe import TOPICS
+    from houle.errors import CaseError
+
+    if topic not in TOPICS:
+        raise CaseError(f"TOPIC = {topic} is not known.{nearest(topic, TOPICS)} Topics: {', '.join(TOPICS)}")
+    TOPICS[topic](Console())
+
+
+@app.command()
+@ending
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="NAME...", help="Shipped cases; all when left out.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Only the variants that take seconds to minutes.")] = False,
+    threads: Threads = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Keep the runs in this folder.")] = None,
+) -> None:
+    """Run shipped cases, print the measured error beside tolerance and peers. Status 1 if one falls short."""
+    from houle.validation import validate as compare
+
+    raise typer.Exit(compare(names, quick=quick, threads=threads, out=out))
+
+
+@app.command()
+@ending
+def bench(threads: Threads = None) -> None:
+    """Measure the throughput on this machine, per operation, beside the memory bandwidth it reaches."""
+    from houle.bench import bench as measure
+
+    measure(threads=threads)
+
+
+def _changes(overrides: list[str] | None) -> dict[str, Any]:
+    """--set key=value as a table of keys."""
+    from houle.case_files import parse_override
+
+    return dict(parse_override(text) for text in overrides or [])
+
+
+def main() -> None:
+    """Entry point of the command `houle`."""
+    app(prog_name="houle")

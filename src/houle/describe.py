@@ -1,0 +1,195 @@
+"""What `houle describe TOPIC` prints: every choice the case file offers, in words, with its source.
+
+The texts are rows of tables, name -> (what it is, where it comes from); the numbers stand where they are used (SCHEMES
+in case.py, LAWS in resistance.py, FIELDS in fields.py). A test checks that every choice of the case file has its row.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from math import inf
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+Rows = Mapping[str, tuple[str, str]]
+
+PAPER = "Ramos Ortega, Beaudoin & Huberson (2020), 17emes Journees de l'Hydrodynamique (JH2020)"
+
+SCHEMES: Rows = {
+    "houle": (
+        "Particles carry the Darcy velocity and a water volume, the grid solves the pressure with p = 0 on the true "
+        "surface inside the cells; the drag is implicit inside the projection, the change of porosity acts as a force on the faces, and "
+        "particles move with the pore velocity u_d/n. Transfer by the full mass matrix (fmpm) with the linear kernel, "
+        "positions corrected towards uniform volume, remeshing that conserves volume and momentum.",
+        "docs/theory.md and docs/decisions",
+    ),
+    "jh2020": (
+        "The combination of the founding paper: second-order Taylor Gaussian as kernel with particles of size "
+        "dx/n^(1/d), PIC transfer, M'4 remeshing as in (6)-(7) every 200 steps, time stepping (12)-(17), with the "
+        "corrections without which it does not hold (pore velocity in (12), (17); powers of n in (13); tensor product "
+        "in (7)). Kept to quantify its defect at the free surface, not for work.",
+        PAPER,
+    ),
+}
+TRANSFERS: Rows = {
+    "fmpm": (
+        "Grid velocities from the full mass matrix, inverted to `order` terms: filters out what the grid cannot see. "
+        "order 1 is PIC; many terms approach the conservative l2 projection.",
+        "Nairn & Hammerquist (2021), Comput. Methods Appl. Mech. Eng. 377; Maljaars et al. (2018) for the projection",
+    ),
+    "xpic": (
+        "As FLIP, with the noise in the null space of the transfer removed to `order` terms.",
+        "Hammerquist & Nairn (2017), Comput. Methods Appl. Mech. Eng. 318",
+    ),
+    "flip": (
+        "Particles keep their velocity and take the change of the grid's; `flip` is its share, the rest is PIC.",
+        "Brackbill & Ruppel (1986), J. Comput. Phys. 65; blend: Zhu & Bridson (2005), ACM Trans. Graph. 24",
+    ),
+    "pic": (
+        "Particles take the velocity of the grid: stable, dissipates most.",
+        "Harlow (1955); Evans & Harlow (1957)",
+    ),
+    "apic": (
+        "PIC whose particles carry the velocity gradient too: conserves angular momentum, no noise, some dissipation.",
+        "Jiang, Schroeder, Selle, Teran & Stomakhin (2015), ACM Trans. Graph. 34",
+    ),
+}
+KERNELS: Rows = {
+    "linear": ("Tent over two nodes per axis.", "Harlow's cloud in cell; Brackbill & Ruppel (1986)"),
+    "quadratic": (
+        "Quadratic B-spline over three nodes per axis, smooth first derivative.",
+        "Steffen, Kirby & Berzins (2008)",
+    ),
+    "m4prime": (
+        "Monaghan's M'4 as a tensor product over four nodes per axis: third order, has negative lobes.",
+        "Monaghan (1985), J. Comput. Phys. 60; Cottet & Koumoutsakos (2000)",
+    ),
+    "gaussian": ("Gaussian at the particle's centre.", f"{PAPER}, (8)"),
+    "gaussian-taylor2": (
+        "Gaussian with the second moments of the particle's own square, of side dx/n^(1/d), by a Taylor series.",
+        f"{PAPER}, (8)-(11); after Beaudoin, Huberson & Rivoalen (2003)",
+    ),
+}
+REMESHING: Rows = {
+    "conservative": (
+        "M'4 onto the lattice where the neighbourhood is full, nothing moved across a porous interface; volume and "
+        "momentum kept to round-off, the level not raised.",
+        "docs/decisions; kernel: Monaghan (1985), Cottet & Koumoutsakos (2000)",
+    ),
+    "paper": (
+        "New particles on every node that old ones reach, each filled: raises the free surface at every remeshing.",
+        f"{PAPER}, (6)-(7)",
+    ),
+    "none": ("Particles are never made regular; the position correction alone keeps them apart.", "-"),
+}
+OTHERS: Rows = {
+    "correction": (
+        "Second pressure solve that moves particles towards the volume of their cells; the share of the error removed "
+        "per step, 0 = off.",
+        "Kugelstadt, Longva, Thuerey & Bender (2019), IEEE Trans. Vis. Comput. Graph.",
+    ),
+    "tolerance": ("Largest relative volume change max |div u_d| dt that the pressure solve may leave.", "-"),
+    "remesh_every": ("Steps between two remeshings.", "-"),
+    "order": ("Number of terms of fmpm and xpic.", "-"),
+    "flip": ("Share of FLIP in its blend with PIC; transfer flip only.", "-"),
+}
+
+
+RESISTANCE = """Drag per unit mass of water: a u_d + b |u_d| u_d, with the Darcy velocity u_d = n u. Every law has its own
+powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number (left out: steady).
+Or directly: resistance = {a = ..., b = ...}, or {permeability = ..., forchheimer = ...}; a = nu/K_p, b = C_f/sqrt(K_p).
+Inertia: C_r = 1 + added_mass (1-n)/n; 0.34: van Gent (1995)."""
+
+
+def resistance(console: Console) -> None:
+    """The laws with their published coefficients and ranges."""
+    from houle.resistance import LAWS
+
+    console.print(RESISTANCE, highlight=False, soft_wrap=True, markup=False)
+    table = _table("law", "formula and coefficients", "range measured", "source")
+    for name, law in LAWS.items():
+        values = ", ".join(f"{k} = {'steady' if v == inf else f'{v:g}'}" for k, v in law.coefficients.items())
+        spans = (
+            ("n", law.porosity, (0.0, 1.0)),
+            ("d", law.diameter, (0.0, inf)),
+            ("u_d d/nu", law.reynolds, (0.0, inf)),
+        )
+        measured = "\n".join(f"{w} {low:g}-{high:g}" for w, (low, high), all_of_it in spans if (low, high) != all_of_it)
+        what = "\n".join(t for t in (law.words, values, law.note) if t)
+        table.add_row(name, escape(what), measured or "-", escape(f"{law.source}\n{law.status}"))
+    console.print(table)
+
+
+def numerics(console: Console) -> None:
+    """The two schemes key by key, then every choice."""
+    from houle.case import SCHEMES as VALUES
+
+    console.print(_rows("scheme", SCHEMES))
+    keys = list(VALUES["houle"])
+    table = _table("key of [numerics]", *(f'scheme = "{name}"' for name in VALUES), "meaning")
+    meaning = {**dict.fromkeys(keys, ""), **{k: words for k, (words, _) in OTHERS.items()}}
+    meaning |= {"transfer": "see `houle describe transfers`", "kernel": "see `houle describe kernels`"}
+    meaning |= {"remesh": "see `houle describe remeshing`"}
+    for key in keys:
+        table.add_row(key, *(str(values[key]) for values in VALUES.values()), meaning[key])
+    console.print(table)
+    console.print("A key given in [numerics] overrides the scheme's.", highlight=False)
+    console.print(_rows("method", {k: row for k, row in OTHERS.items() if row[1] != "-"}))
+
+
+def fields(console: Console) -> None:
+    """Everything a run writes."""
+    from houle.fields import FIELDS
+
+    table = _table("name", "symbol", "unit", "place", "what it is")
+    for f in FIELDS:
+        unit = f.unit + (f" (2D: {f.unit_2d})" if f.unit_2d else "")
+        table.add_row(f.name, f.symbol, unit, f.place, escape(f.description))
+    console.print(table)
+
+
+def schema(console: Console) -> None:
+    """JSON Schema of the case file, nothing else on the output."""
+    from houle.case import schema as make
+
+    console.file.write(json.dumps(make(), indent=2) + "\n")
+
+
+def transfers(console: Console) -> None:
+    console.print(_rows("transfer", TRANSFERS))
+
+
+def kernels(console: Console) -> None:
+    console.print(_rows("kernel", KERNELS))
+
+
+def remeshing(console: Console) -> None:
+    console.print(_rows("remesh", REMESHING))
+
+
+def _table(*columns: str) -> Table:
+    table = Table(show_lines=True)
+    for column in columns:
+        table.add_column(column, no_wrap=column == columns[0], overflow="fold")
+    return table
+
+
+def _rows(key: str, rows: Rows) -> Table:
+    table = _table(key, "what it is", "source")
+    for name, (words, source) in rows.items():
+        table.add_row(name, escape(words), escape(source))
+    return table
+
+
+TOPICS: dict[str, Callable[[Console], None]] = {
+    "resistance": resistance,
+    "kernels": kernels,
+    "transfers": transfers,
+    "remeshing": remeshing,
+    "numerics": numerics,
+    "fields": fields,
+    "schema": schema,
+}
