@@ -1,0 +1,128 @@
+"""The pictures against time: the ledger of a run, its gauges and sensors."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+from houle.fields import OPERATIONS
+from houle.grid import FloatArray, Grid
+from houle.output import drawing
+from houle.output.drawing import FAINT, LINES, headings, label_ends, sheet
+
+Curves = dict[str, FloatArray]
+
+
+def ledger_picture(path: Path, case: Any, grid: Grid, series: xr.Dataset) -> Path:
+    """What the run conserved and what it cost: energy and who changed it, volume, iterations, time step."""
+    energy = "J/m" if grid.dimension == 2 else "J"
+    split = {name: f"energy_{name}" for name in OPERATIONS}
+    level = {"": 1e3 * (series.mean_level - series.mean_level[0]).values} if "mean_level" in series else {}
+    panels: list[tuple[str, str, Curves]] = [
+        ("Energy, change since the start", energy, _energies(series)),
+        ("Energy by operation, summed", energy, _named(series, split)),
+        ("Water volume, relative drift", "", _named(series, {"": "volume_drift"})),
+        ("Mean level, change", "mm", level),
+        (
+            "Iterations",
+            "per step",
+            _named(series, {"pressure": "pressure_iterations", "correction": "correction_iterations"}),
+        ),
+        ("Time step", "ms", {"": 1e3 * series.step_size.values} if "step_size" in series else {}),
+    ]
+    panels = [entry for entry in panels if entry[2]]
+    with drawing.style():
+        words = f"the ledger  ·  {float(series.time[-1]):g} s of simulated time"
+        title = case.case.title or case.case.name
+        page = sheet(len(panels), 2, (3.3, 1.5), title, words, gap=(1.55, 0.62), margins=(0.7, 0.95, 0.5, 0.95))
+        for panel, (name, unit, curves) in zip(page.panels, panels, strict=True):
+            draw_curves(panel, series.time.values, curves, unit)
+            headings(panel, name)
+        for panel in page.panels[-2:]:
+            panel.set_xlabel("t [s]")
+        return page.save(path)
+
+
+def gauges_picture(path: Path, case: Any, grid: Grid, series: xr.Dataset) -> Path:
+    """The free surface at each gauge, pressure and horizontal Darcy velocity at the sensors."""
+    rows: list[tuple[str, str, Curves]] = []
+    if "eta" in series:
+        places = _places(series, "gauge")
+        rows += [(f"Level at {name}", "m", {"": series.eta.values[g]}) for g, name in enumerate(places)]
+    if "pressure" in series:
+        names = _places(series, "sensor")
+        rows.append(("Pressure", "kPa", {name: series.pressure.values[s] / 1e3 for s, name in enumerate(names)}))
+        rows.append(
+            ("Darcy velocity along x", "m/s", {n: series.velocity.values[s, :, 0] for s, n in enumerate(names)})
+        )
+    with drawing.style():
+        title, words = case.case.title or case.case.name, "gauges and sensors  ·  a gap is a dry gauge"
+        page = sheet(len(rows), 1, (6.4, 1.15), title, words, gap=(0, 0.5), margins=(0.7, 1.55, 0.5, 0.95))
+        for panel, (name, unit, curves) in zip(page.panels, rows, strict=True):
+            draw_curves(panel, series.time.values, curves, unit)
+            if unit == "m":
+                _level_limits(panel, curves[""])
+            headings(panel, name)
+        page.panels[-1].set_xlabel("t [s]")
+        return page.save(path)
+
+
+def draw_curves(panel: Axes, time: FloatArray, curves: Curves, unit: str) -> None:
+    """Lines with their names at the right end, the zero line faint, the unit on the axis with a power of ten if need be."""
+    scale = _power_of_ten(max((np.nanmax(np.abs(v)) for v in curves.values() if np.isfinite(v).any()), default=0.0))
+    panel.axhline(0, color=FAINT, lw=0.8, zorder=0)
+    ends = []
+    for (words, values), colour in zip(curves.items(), itertools.cycle(LINES), strict=False):
+        panel.plot(time, values / 10.0**scale, color=colour, lw=1.2)
+        wet = values[np.isfinite(values)]
+        if words and len(wet):
+            ends.append((float(wet[-1]) / 10.0**scale, words, colour))
+    panel.set_xlim(time[0], max(time[-1], time[0] + 1e-12))
+    panel.locator_params(axis="both", nbins=5)
+    label_ends(panel, ends)
+    factor = f"$10^{{{scale}}}$" if scale else ""
+    panel.set_ylabel(f"[{factor} {unit}]".replace("[ ", "[").replace(" ]", "]") if factor or unit else "")
+
+
+def _power_of_ten(largest: float) -> int:
+    """0 where numbers read well as they are, else a multiple of 3."""
+    return 0 if largest == 0 or 1e-2 <= largest < 1e4 else 3 * int(np.floor(np.log10(largest) / 3))
+
+
+def _energies(series: xr.Dataset) -> Curves:
+    """Change of kinetic, potential and total energy, and what was lost on purpose (downwards)."""
+    if "kinetic_energy" not in series or "potential_energy" not in series:
+        return {}
+    kinetic, potential = (
+        series[name].values - series[name].values[0] for name in ("kinetic_energy", "potential_energy")
+    )
+    lost = {"lost to drag": "drag_work", "lost to viscosity": "viscous_work"}
+    curves = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
+    return curves | {words: -values for words, values in _named(series, lost).items()}
+
+
+def _named(series: xr.Dataset, names: dict[str, str]) -> Curves:
+    return {words: series[name].values for words, name in names.items() if name in series}
+
+
+def _places(series: xr.Dataset, kind: str) -> list[str]:
+    """The names of the gauges or sensors, each with its position."""
+    axes = [a for a in "xyz" if f"{kind}_{a}" in series]
+    numbers = np.stack([series[f"{kind}_{a}"].values for a in axes], axis=-1)
+    return [
+        f"{name} ({', '.join(f'{value:g}' for value in point)})"
+        for name, point in zip(series[kind].values, numbers, strict=True)
+    ]
+
+
+def _level_limits(panel: Axes, eta: FloatArray) -> None:
+    """Close around the surface; never so close that round-off looks like a wave."""
+    wet = eta[np.isfinite(eta)]
+    if len(wet):
+        middle, half = 0.5 * (wet.max() + wet.min()), max(0.5 * (wet.max() - wet.min()), 1e-3)
+        panel.set_ylim(middle - 1.15 * half, middle + 1.15 * half)

@@ -1,0 +1,260 @@
+"""How our pictures look: sheets of panels laid out in inches, colours, bodies, labels at the ends of lines.
+
+Nothing here touches the state of matplotlib or opens a window: figures are made by hand and drawn by Agg. The colours
+are told apart by people who do not see red and green (lightness differs, and no meaning hangs on hue alone).
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from houle.grid import Grid
+from houle.output.atomic import replacing
+
+INK, GREY, FAINT = "#22303c", "#7d8a96", "#dfe4e8"
+WATER, SHADE = "#1f5f8b", "#dceaf4"
+LABORATORY = "#c44e17"
+STONE, STONE_LINE, SOLID = "#f3efe6", "#8c8069", "#c3c8cc"
+LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
+DPI = 150
+
+_STYLE: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": 8.5,
+    "mathtext.fontset": "dejavusans",
+    "text.color": INK,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.4,
+    "lines.solid_capstyle": "round",
+    "hatch.linewidth": 0.5,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+}
+
+
+def pressures() -> Colormap:
+    """From shallow green to deep blue, monotone in lightness; the palest end is left out, it would vanish on white."""
+    colours = matplotlib.colormaps["YlGnBu"](np.linspace(0.13, 1.0, 256))
+    return LinearSegmentedColormap.from_list("pressures", colours)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A figure and its panels, in reading order."""
+
+    figure: Figure
+    panels: list[Axes]
+    columns: int
+
+    def save(self, path: Path) -> Path:
+        """PNG, whole or not at all."""
+        import houle
+
+        with replacing(path) as temporary:
+            made_by = {"Software": f"houle {houle.__version__}"}
+            FigureCanvasAgg(self.figure).print_figure(temporary, format="png", dpi=DPI, metadata=made_by)
+        return path
+
+    def legend(self, handles: Sequence[Any]) -> None:
+        """In the lower margin, at the right."""
+        width, height = self.figure.get_size_inches()
+        edge = max(panel.get_position().x1 for panel in self.panels)
+        self.figure.legend(
+            handles=handles,
+            loc="lower right",
+            bbox_to_anchor=(edge, 0.08 / height),
+            ncols=len(handles),
+            fontsize=8.5,
+            handlelength=1.6,
+            columnspacing=1.4,
+            borderpad=0,
+            borderaxespad=0,
+        )
+
+    def label_outside(self, x: str, y: str) -> None:
+        """Axis labels and numbers at the left and lower sides of the sheet only."""
+        for i, panel in enumerate(self.panels):
+            last = i + self.columns >= len(self.panels)
+            panel.set_xlabel(x if last else "")
+            panel.set_ylabel(y if i % self.columns == 0 else "")
+            panel.tick_params(labelbottom=last, labelleft=i % self.columns == 0)
+
+
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """The look above, for what is drawn inside."""
+    with matplotlib.rc_context(_STYLE):  # type: ignore[arg-type]
+        yield
+
+
+def sheet(
+    count: int,
+    columns: int,
+    size: tuple[float, float],
+    title: str,
+    subtitle: str,
+    *,
+    gap: tuple[float, float] = (0.3, 0.42),
+    margins: tuple[float, float, float, float] = (0.62, 0.25, 0.5, 0.95),
+) -> Sheet:
+    """Panels of a size, gaps, and margins (left, right, bottom, top), all in inches; a title and a line under it."""
+    rows = -(-count // columns)
+    left, right, bottom, top = margins
+    width = max(left + columns * size[0] + (columns - 1) * gap[0] + right, 6.0)
+    height = top + rows * size[1] + (rows - 1) * gap[1] + bottom
+    figure = Figure(figsize=(width, height))
+    panels = []
+    for i in range(count):
+        row, column = divmod(i, columns)
+        x, y = left + column * (size[0] + gap[0]), height - top - (row + 1) * size[1] - row * gap[1]
+        panels.append(figure.add_axes((x / width, y / height, size[0] / width, size[1] / height)))
+    room = width - left - right
+    for words, size_, y, look in ((title, 12.0, 0.26, {"fontweight": "bold"}), (subtitle, 8.5, 0.49, {"color": GREY})):
+        points = min(size_, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
+        figure.text(left / width, 1 - y / height, words, fontsize=points, va="center", **look)
+    return Sheet(figure, panels, columns)
+
+
+def headings(panel: Axes, left: str, right: str = "") -> None:
+    """Above a panel: what it shows in bold, a number beside it."""
+    panel.set_title(left, loc="left", fontsize=9, fontweight="bold", pad=4)
+    if right:
+        panel.set_title(right, loc="right", fontsize=8.5, color=GREY, pad=4)
+
+
+@dataclass(frozen=True)
+class Body:
+    """The outline (k, 2) of a porous body in the (x, z) section [m], and the words on it."""
+
+    outline: NDArray[np.float64]
+    words: str
+
+
+def bodies(entries: Sequence[Any], grid: Grid, y: float = 0.0) -> list[Body]:
+    """Sections at y of the shapes of a case: entries with box, polygon or below, perhaps name and porosity."""
+    found = []
+    for entry in entries:
+        outline = _outline(entry, grid, y)
+        if outline is not None:
+            porosity = getattr(entry, "porosity", None)
+            words = ", ".join(filter(None, [entry.name, f"$n$ = {porosity:g}" if porosity else ""]))
+            found.append(Body(outline, words))
+    return found
+
+
+def _outline(entry: Any, grid: Grid, y: float) -> NDArray[np.float64] | None:
+    if getattr(entry, "polygon", None) is not None:
+        return np.array(entry.polygon, dtype=float)
+    if getattr(entry, "below", None) is not None:
+        lower, upper = np.zeros(grid.dimension), np.array([*grid.size[:-1], entry.below])
+    else:
+        lower, upper = np.array(entry.box, dtype=float)
+    if len(lower) == 3 and not lower[1] <= y <= upper[1]:
+        return None
+    (x0, z0), (x1, z1) = lower[[0, -1]], upper[[0, -1]]
+    return np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
+
+
+def draw_bodies(
+    panel: Axes, porous: Sequence[Body], solid: Sequence[Body], *, over: bool = False, words: bool = True
+) -> None:
+    """Porous bodies hatched, solids filled. over: a second, thin outline above what is drawn in between."""
+    for body in porous:
+        panel.add_patch(Polygon(body.outline, fc=STONE, ec="none", zorder=0.5))
+        panel.add_patch(Polygon(body.outline, fc="none", ec="#d5ccb8", hatch="////", lw=0, zorder=0.6))
+        dash: Any = (0, (4, 2)) if over else "-"
+        panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
+        if words and body.words:
+            x, z = body.outline[:, 0].mean(), body.outline[:, 1].max()
+            panel.annotate(
+                body.words,
+                (x, z),
+                (0, 3),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+                fontsize=7.5,
+                color=STONE_LINE,
+            )
+    for body in solid:
+        panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
+
+
+def draw_gates(panel: Axes, gates: Sequence[Any], time: float, top: float) -> None:
+    """The plates that are still in the picture, lifted as far as they are at this time [s]."""
+    for gate in gates:
+        foot = max(0.0, time - gate.start) * gate.speed
+        if foot < top:
+            panel.plot([gate.x, gate.x], [foot, top], color=INK, lw=1.6, solid_capstyle="butt", zorder=5)
+
+
+def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: float = 8.0) -> None:
+    """(height in data, words, colour) of curves, written beside the right end, pushed apart where they would overlap."""
+    panel.get_ylim()  # settles the limits: without it the transforms are those of an empty panel
+    to_points = 72.0 / panel.figure.dpi
+    (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
+    heights = [to_points * panel.transData.transform((0.0, y))[1] for y, _, _ in ends]
+    for (y, words, colour), shift in zip(ends, apart(heights, points * 1.25, low, high), strict=True):
+        panel.annotate(
+            words,
+            (1.0, y),
+            (5, shift),
+            xycoords=panel.get_yaxis_transform(),
+            textcoords="offset points",
+            va="center",
+            fontsize=points,
+            color=colour,
+            annotation_clip=False,
+        )
+
+
+def apart(heights: Sequence[float], gap: float, low: float, high: float) -> list[float]:
+    """Shifts that bring neighbours at least `gap` apart, in their order, crowds staying about their middle and in range."""
+
+    def spread(crowd: Sequence[float]) -> NDArray[np.float64]:
+        half = 0.5 * gap * (len(crowd) - 1)
+        middle = np.clip(np.mean(crowd), min(low + half, high - half), max(low + half, high - half))
+        return middle + gap * np.arange(len(crowd)) - half
+
+    order = np.argsort(heights, kind="stable")
+    crowds = [[heights[i]] for i in order]
+    k = 0
+    while k + 1 < len(crowds):
+        if spread(crowds[k])[-1] + gap > spread(crowds[k + 1])[0] + 1e-9:
+            crowds[k : k + 2] = [crowds[k] + crowds[k + 1]]
+            k = max(0, k - 1)
+        else:
+            k += 1
+    placed = np.concatenate([spread(crowd) for crowd in crowds]) if crowds else np.empty(0)
+    shifts = np.zeros(len(heights))
+    shifts[order] = placed - np.asarray(heights)[order]
+    return shifts.tolist()
