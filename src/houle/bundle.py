@@ -1,0 +1,92 @@
+"""The failure bundle: what someone needs who wants to know why a run failed, in one folder.
+
+failure/diagnosis.txt      one paragraph: what, when, where, and what to try
+failure/worst.json         the worst cells or particles as dicts
+failure/checkpoint-*.h5    the last good state, to run up to the failure again
+failure/case.toml          the case
+failure/versions.json      program, compiler, packages, machine
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import textwrap
+import traceback
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from houle.errors import SimulationError
+
+WORST = 20
+
+
+def as_failure(error: Exception, simulation: Any) -> SimulationError:
+    """The error as a SimulationError: itself, or for an unexpected one what is known, with the traceback."""
+    if isinstance(error, SimulationError):
+        return error
+    kind = type(error).__name__
+    text = "".join(traceback.format_exception(error)).rstrip()
+    diagnosis = f"An error that houle did not foresee; please report it with this folder. {kind}: {error}\n\n{text}"
+    return SimulationError(
+        f"unexpected {kind}: {error}", step=simulation.steps + 1, time=simulation.time, diagnosis=diagnosis
+    )
+
+
+def write_bundle(directory: Path, simulation: Any, error: SimulationError, checkpoint: Path, versions: dict) -> Path:
+    """Writes DIR/failure, in place of an older one, and returns it. `checkpoint` is the last good one."""
+    folder, building = directory / "failure", directory / "failure.tmp"
+    for old in (building, folder):
+        shutil.rmtree(old, ignore_errors=True)
+    building.mkdir()
+    worst = error.worst or worst_particles(simulation.particles)
+    record = {"message": str(error), "step": error.step, "time": error.time, "place": error.place, "worst": worst}
+    (building / "worst.json").write_text(json.dumps(_plain(record), indent=2) + "\n")
+    (building / "versions.json").write_text(json.dumps(_plain(versions), indent=2) + "\n")
+    (building / "diagnosis.txt").write_text(diagnose(error, checkpoint) + "\n", encoding="utf-8")
+    shutil.copy2(directory / "case.toml", building)
+    shutil.copy2(checkpoint, building)
+    building.rename(folder)
+    return folder
+
+
+def diagnose(error: SimulationError, checkpoint: Path) -> str:
+    """One paragraph (and a traceback, if the error was unexpected)."""
+    where = "" if error.place is None else f" at ({', '.join(f'{x:.4g}' for x in error.place)}) m"
+    first, _, rest = error.diagnosis.partition("\n")
+    text = (
+        f"Step {error.step}, t = {error.time:.6g} s{where}: {str(error).rstrip('.')}. {first} "
+        f"The last good state is {checkpoint.name}; worst.json lists the worst places."
+    )
+    return textwrap.fill(text, 100) + ("\n" + rest if rest else "")
+
+
+def worst_particles(particles: Any) -> list[dict]:
+    """The particles that are not finite, then the fastest, WORST in all."""
+    speed = np.sqrt(np.sum(particles.velocity**2, axis=1))
+    finite = np.isfinite(speed) & np.isfinite(particles.position).all(axis=1) & np.isfinite(particles.volume)
+    order = np.argsort(np.where(finite, -speed, -np.inf), kind="stable")[:WORST]
+    return [
+        {
+            "particle": int(i),
+            "position": particles.position[i].tolist(),
+            "velocity": particles.velocity[i].tolist(),
+            "volume": float(particles.volume[i]),
+        }
+        for i in order
+    ]
+
+
+def _plain(value: Any) -> Any:
+    """As JSON can hold it: NumPy becomes Python, and a number that is not finite becomes its name, "nan" or "inf"."""
+    if isinstance(value, dict):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    if isinstance(value, float) and not np.isfinite(value):
+        return str(value)
+    return value if isinstance(value, str | int | float | None) else str(value)

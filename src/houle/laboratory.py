@@ -1,0 +1,110 @@
+"""Laboratory points beside a run: reading them, and how far the computed surface is from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.errors import CaseError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from houle.case import Case
+
+COLUMNS = ("t_s", "x_m", "eta_m")
+SAME = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class Points:
+    """Levels (N,) above z = 0 [m] measured at x (N,) [m] and time (N,) [s], sorted by time."""
+
+    time: NDArray[np.float64]
+    x: NDArray[np.float64]
+    eta: NDArray[np.float64]
+
+    @property
+    def times(self) -> list[float]:
+        return [float(t) for t in np.unique(self.time)]
+
+
+@dataclass(frozen=True)
+class Score:
+    """rms of computed minus measured level [m]: per laboratory time, and over all points of the times > 0."""
+
+    times: list[float]
+    rms: list[float]
+    overall: float
+    points: int
+
+
+def path(case: Case) -> Path | None:
+    """The file of laboratory points that the case names, beside the case file."""
+    if case.reference is None:
+        return None
+    return (case.path.parent if case.path else Path()) / case.reference.surface
+
+
+def read(file: Path) -> Points:
+    """The points of a CSV file: comment lines (#), a header t_s,x_m,eta_m, numbers. Raises CaseError."""
+    try:
+        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
+        header = [name.strip() for name in lines[0].split(",")]
+        rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
+        time, x, eta = (rows[:, header.index(name)] for name in COLUMNS)
+    except OSError as error:
+        raise CaseError(f"reference.surface = {file} cannot be read: {error.strerror}") from None
+    except (ValueError, IndexError) as error:
+        raise CaseError(
+            f"reference.surface = {file} is not a table with the header {','.join(COLUMNS)} and a number in "
+            f"every column ({error})"
+        ) from None
+    order = np.argsort(time, kind="stable")
+    return Points(time[order], x[order], eta[order])
+
+
+def level(surface: xarray.Dataset, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Computed level [m] at x: linear between wet columns, ends carried on; linear in time if no profile is at `time`.
+
+    In 3D the mean over the wet columns across the width. NaN when all is dry.
+    """
+    eta = surface.eta if "y" not in surface.eta.dims else surface.eta.mean("y")
+    near = _around(surface.time.values, time)
+    first, last = (_profile(surface.x.values, eta.values[i], x) for i in (near[0], near[-1]))
+    if len(near) == 1:
+        return first
+    start, stop = surface.time.values[near]
+    return first + (time - start) / (stop - start) * (last - first)
+
+
+def score(points: Points, surface: xarray.Dataset) -> Score | None:
+    """How far the run is from the laboratory at the times it has reached; None if it has reached none after 0."""
+    reached = [t for t in points.times if t <= surface.time.values[-1] + SAME]
+    errors = [level(surface, t, points.x[points.time == t]) - points.eta[points.time == t] for t in reached]
+    later = [e for t, e in zip(reached, errors, strict=True) if t > 0]
+    if not later:
+        return None
+    return Score(reached, [_rms(e) for e in errors], _rms(np.concatenate(later)), sum(len(e) for e in errors))
+
+
+def _profile(columns: NDArray[np.float64], eta: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    wet = np.isfinite(eta)
+    return np.interp(x, columns[wet], eta[wet]) if wet.any() else np.full(x.shape, np.nan)
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _around(times: NDArray[np.float64], time: float) -> list[int]:
+    """Index of the profile at this time (to SAME), or of the two around it."""
+    nearest = int(np.argmin(np.abs(times - time)))
+    if abs(times[nearest] - time) < SAME or time > times[-1] or time < times[0]:
+        return [nearest]
+    after = int(np.searchsorted(times, time))
+    return [after - 1, after]

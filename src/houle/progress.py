@@ -1,0 +1,149 @@
+"""What a run says while it works: a bar with numbers on a terminal, a plain line now and then elsewhere, or nothing.
+
+Nothing heavy is imported here, so that the first words appear at once, before NumPy and the numerical core are loaded.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any, TextIO
+
+BAR_EVERY = 0.25  # s of wall time between two drawings of the bar
+LINE_EVERY = 10.0  # s between two plain lines
+WINDOW = 30.0  # s of wall time over which speeds are averaged
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """How far a run is. Speeds are means over the last WINDOW seconds; None as long as nothing was measured."""
+
+    time: float
+    end: float
+    particles: int
+    drift: float  # relative change of the water volume since the start
+    steps_per_second: float | None
+    microseconds: float | None  # of wall time per particle and step
+    left: float | None  # [s] of wall time
+
+    def __str__(self) -> str:
+        return ", ".join([f"t = {self.time:.3f} of {self.end:g} s ({self.percent:.0f} %)", *self.details()])
+
+    @property
+    def percent(self) -> float:
+        return 100.0 * min(1.0, self.time / self.end) if self.end > 0 else 100.0
+
+    def details(self) -> list[str]:
+        words = [f"{self.particles:,} particles".replace(",", " "), f"volume drift {self.drift:+.0e}"]
+        if self.steps_per_second is not None and self.microseconds is not None and self.left is not None:
+            speed = f"{self.steps_per_second:.3g} steps/s"
+            words = [speed, f"{self.microseconds:.2f} us/particle/step", *words, f"{duration(self.left)} left"]
+        return words
+
+
+class Meter:
+    """Turns what a simulation is into Numbers; `volume` is the water volume at time 0, `end` the time to reach [s]."""
+
+    def __init__(self, end: float, volume: float) -> None:
+        self.end, self.volume = end, volume
+        self.past: deque[tuple[float, float, int]] = deque()  # wall time, simulated time, steps
+
+    def read(self, simulation: Any) -> Numbers:
+        now, count = perf_counter(), len(simulation.particles)
+        self.past.append((now, simulation.time, simulation.steps))
+        while len(self.past) > 2 and now - self.past[0][0] > WINDOW:
+            self.past.popleft()
+        then, time, steps = self.past[0]
+        wall, done = now - then, simulation.steps - steps
+        drift = simulation.particles.total_volume / self.volume - 1.0 if self.volume > 0 else 0.0
+        speed = micro = left = None
+        if done > 0 and wall > 0:
+            speed, micro = done / wall, 1e6 * wall / done / max(1, count)
+            left = max(0.0, self.end - simulation.time) * wall / (simulation.time - time)
+        return Numbers(simulation.time, self.end, count, drift, speed, micro, left)
+
+
+class Silent:
+    """Says nothing: for scripts and tests."""
+
+    def say(self, text: str) -> None:
+        pass
+
+    def start(self, simulation: Any, end: float, volume: float) -> None:
+        pass
+
+    def step(self, simulation: Any) -> None:
+        pass
+
+    def stop(self) -> None:
+        pass
+
+
+class Lines(Silent):
+    """Plain lines, every LINE_EVERY seconds: for log files and batch queues."""
+
+    every = LINE_EVERY
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream, self.next = stream, 0.0
+
+    def say(self, text: str) -> None:
+        print(text, file=self.stream, flush=True)
+
+    def start(self, simulation: Any, end: float, volume: float) -> None:
+        self.meter = Meter(end, volume)
+        self.show(self.meter.read(simulation))
+
+    def step(self, simulation: Any) -> None:
+        if perf_counter() >= self.next:
+            self.show(self.meter.read(simulation))
+
+    def show(self, numbers: Numbers) -> None:
+        self.next = perf_counter() + self.every
+        self.say(str(numbers))
+
+
+class Bar(Lines):
+    """One line on a terminal, drawn again a few times a second."""
+
+    every = BAR_EVERY
+
+    def start(self, simulation: Any, end: float, volume: float) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn
+
+        columns = [TextColumn("{task.fields[clock]}"), BarColumn(bar_width=24), TextColumn("{task.fields[details]}")]
+        self.bar = Progress(*columns, console=Console(file=self.stream), auto_refresh=False)
+        self.task = self.bar.add_task("run", total=100.0, clock="", details="")
+        self.bar.start()
+        super().start(simulation, end, volume)
+
+    def show(self, numbers: Numbers) -> None:
+        self.next = perf_counter() + self.every
+        clock = f"t = {numbers.time:.3f} / {numbers.end:g} s"
+        details = " · ".join(numbers.details())
+        self.bar.update(self.task, completed=numbers.percent, clock=clock, details=details, refresh=True)
+
+    def stop(self) -> None:
+        if hasattr(self, "bar"):
+            self.bar.stop()
+
+
+def reporter(progress: bool, stream: TextIO | None = None) -> Silent:
+    """The one that fits: a bar when the stream (standard error if not given) is a terminal."""
+    stream = stream or sys.stderr
+    if not progress:
+        return Silent()
+    return Bar(stream) if stream.isatty() else Lines(stream)
+
+
+def duration(seconds: float) -> str:
+    """75 -> "1 min 15 s"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{seconds:.1f} s" if seconds < 9.95 else f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60:02d} s"
+    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"

@@ -1,0 +1,245 @@
+"""`houle run` and `houle resume` from the first word to the last file, and the Run they leave."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from houle.errors import CaseError
+from houle.progress import reporter
+
+if TYPE_CHECKING:
+    import xarray
+
+    from houle.case import Case
+    from houle.session import Session
+
+CASE_FILE = "case.toml"
+
+
+def run(
+    case: Case | str | os.PathLike[str],
+    out: str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    until: float | None = None,
+    progress: bool = False,
+    overrides: Mapping[str, Any] | None = None,
+) -> Run:
+    """Computes a case and returns what it left.
+
+    case       a Case, a file, or the name of a shipped case; overrides are {"domain.spacing": 0.01}, as in houle.load
+    out        the folder to write; if not given runs/<case name>, or runs/<case name>-2 and so on if that holds a run
+    threads    as many as the machine has if not given; the results do not depend on it
+    until      stop after the first step that reaches this time [s]; houle.resume goes on
+    progress   say on standard error how far it is, and on standard output at the end where the time went
+
+    Raises CaseError (the input is wrong, nothing was written), OutputError (a file could not be written),
+    SimulationError (the run failed; DIR/failure says why), session.Interrupted (Ctrl-C; a checkpoint was written).
+    """
+    says = reporter(progress)
+    says.say(f"houle: reading {case if isinstance(case, str | os.PathLike) else case.case.name}")
+    from houle import checks, laboratory
+    from houle.case import load
+    from houle.session import Clock, Session
+
+    clock = Clock()
+    case = load(case, overrides=dict(overrides or {}))
+    check_until(until, 0.0)
+    directory = new_folder(case.case.name, out)
+    for finding in checks.require(case):
+        if finding.level == "warning":
+            says.say(f"warning: {finding}")
+    if (points := laboratory.path(case)) is not None:
+        laboratory.read(points)  # raises now rather than at the end
+    says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
+    from houle.simulation import Simulation
+
+    simulation = Simulation(case, threads)
+    says.say(f"houle: writing to {directory}")
+    session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
+    session.manifest["case"]["file"] = None if case.path is None else str(case.path)
+    return finish(session.begin(), until, progress)
+
+
+def resume(
+    directory: str | os.PathLike[str], threads: int | None = None, until: float | None = None, progress: bool = False
+) -> Run:
+    """Goes on from the newest good checkpoint of a run folder, bit for bit as if it had not stopped.
+
+    Arguments and errors are those of run(). A finished run is returned as it is.
+    """
+    says, directory = reporter(progress), Path(directory)
+    says.say(f"houle: reading {directory}")
+    from houle.output import load_newest
+    from houle.session import Clock, Session
+
+    clock, done = Clock(), open_run(directory)
+    if done.summary["finished"]:
+        says.say(f"houle: {directory} is finished (t = {done.summary['time']:g} s); there is nothing to do")
+        return done
+    checkpoint = load_newest(directory)
+    if checkpoint is None:
+        raise CaseError(f"{directory} holds no good checkpoint. Start again with: houle run CASE --out DIR")
+    if checkpoint.meta["case_hash"] != done.case.hash:
+        raise CaseError(
+            f"{directory / CASE_FILE} is not the case that was run (it was changed, or houle is another version). "
+            "Put it back, or run the new case into a new folder: houle run CASE --out DIR"
+        )
+    check_until(until, checkpoint.meta["time"])
+    says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
+    from houle.simulation import Simulation
+
+    simulation = Simulation(done.case, threads)
+    session = Session(directory, done.case, simulation, threads, clock, says)
+    return finish(session.restore(checkpoint, done.manifest), until, progress)
+
+
+def finish(session: Session, until: float | None, progress: bool) -> Run:
+    """Marches, then leaves pictures, the score against the laboratory and run.json; prints the summary."""
+    from houle import summary
+    from houle.output import write_manifest
+
+    at_end = session.march(until)
+    run = Run(session.directory)
+    draw(run, session)
+    more = {"reference": score} if (score := summary.reference(run)) else {}
+    write_manifest(run.directory, session.summarise(finished=at_end, **more))
+    run = Run(session.directory)
+    if progress:
+        summary.show(run)
+    if not at_end:
+        time = session.simulation.time
+        session.says.say(f"houle: stopped at t = {time:g} s; go on with: houle resume {run.directory}")
+    return run
+
+
+def draw(run: Run, session: Session) -> None:
+    """The pictures of the run, and the film if the case asks for one. A picture that fails does not fail the run."""
+    session.says.say("houle: drawing pictures")
+    try:
+        from houle.output import pictures
+
+        pictures.write_pictures(run.directory, run.case, session.simulation.grid, run.series, run.surface, run.fields)
+    except Exception as error:
+        session.says.say(f"warning: no pictures ({type(error).__name__}: {error})")
+
+
+class Run:
+    """A run folder: `directory`, `case`, `summary`, `series` and `surface` (xarray), `fields`, `pictures` (paths)."""
+
+    def __init__(self, directory: str | os.PathLike[str]) -> None:
+        self.directory = Path(directory)
+
+    @cached_property
+    def case(self) -> Case:
+        from houle.case import load
+
+        return load(self.directory / CASE_FILE)
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """All of run.json."""
+        from houle.output import read_manifest
+
+        return read_manifest(self.directory)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """How the run went: finished, time, steps, seconds, volume drift, energy, score against the laboratory."""
+        return {"finished": self.manifest["finished"], **self.manifest["summary"]}
+
+    @cached_property
+    def series(self) -> xarray.Dataset:
+        """Gauges, sensors and ledger against time."""
+        from houle.output import read_series
+
+        return read_series(self.directory)
+
+    @cached_property
+    def surface(self) -> xarray.Dataset:
+        """eta(time, x), in 3D eta(time, y, x)."""
+        from houle.output import read_surface
+
+        return read_surface(self.directory)
+
+    @cached_property
+    def fields(self) -> Any:
+        """The frames: .times [s], .frame(i) -> houle.frame.Frame."""
+        from houle.output import read_fields
+
+        return read_fields(self.directory)
+
+    @property
+    def pictures(self) -> list[Path]:
+        return sorted(self.directory.glob("*.png"))
+
+    def __repr__(self) -> str:
+        s = self.summary
+        state = "finished" if s["finished"] else "not finished"
+        return f"<houle run {self.directory}: {state}, t = {s['time']:g} s, {s['steps']} steps>"
+
+    def _repr_html_(self) -> str:
+        from houle.summary import as_html
+
+        return as_html(self)
+
+
+def open_run(directory: str | os.PathLike[str]) -> Run:
+    """The run in this folder; CaseError if there is none."""
+    if not (Path(directory) / "run.json").exists():
+        raise CaseError(f"{directory} holds no run (no run.json). Give the folder that houle run wrote to")
+    return Run(directory)
+
+
+def new_folder(name: str, out: str | os.PathLike[str] | None) -> Path:
+    """Where a new run goes; nothing is created. Without `out` the first of runs/name, runs/name-2, ... that is free."""
+    directory = Path(out) if out is not None else Path("runs", name)
+    if out is None:
+        number = 2
+        while holds_run(directory):
+            directory, number = Path("runs", f"{name}-{number}"), number + 1
+    elif holds_run(directory):
+        raise CaseError(
+            f"out = {directory} already holds a run. Go on with it (houle resume {directory}), "
+            "give another folder, or delete this one"
+        )
+    there = next(p for p in (directory.absolute(), *directory.absolute().parents) if p.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        problem = "is not writable" if there.is_dir() else "is a file"
+        raise CaseError(f"out = {directory} cannot be written: {there} {problem}. Give another folder")
+    return directory
+
+
+def holds_run(directory: Path) -> bool:
+    return (directory / "run.json").exists() or any(directory.glob("checkpoint-*.h5"))
+
+
+def check_until(until: float | None, time: float) -> None:
+    if until is not None and not until > time:
+        raise CaseError(f"until = {until:g} s is not after t = {time:g} s, where this run begins. Give a later time")
+
+
+def keep_case(case: Case, directory: Path) -> Case:
+    """Makes the folder with case.toml and its laboratory data, and returns the case that lies there.
+
+    A run needs no other file to be resumed or drawn again, so its folder can be moved.
+    """
+    from houle import laboratory
+    from houle.case import load
+    from houle.output.atomic import reported, write_text
+
+    data = laboratory.path(case)
+    write_text(directory / CASE_FILE, case.to_toml())
+    if data is not None and case.reference is not None:
+        inside = Path(case.reference.surface)
+        if inside.is_absolute() or ".." in inside.parts:
+            inside = Path(data.name)
+            write_text(directory / CASE_FILE, load(case, {"reference.surface": inside.name}).to_toml())
+        with reported(directory / inside):
+            (directory / inside).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(data, directory / inside)
+    return load(directory / CASE_FILE)

@@ -1,0 +1,180 @@
+"""One stretch of a run, between a start of the program and its end: the loop, checkpoints, and every way to stop.
+
+The sequence of steps depends on the case alone. Steps are shortened only to land on frames (multiples of output.every);
+checkpoints, `until`, Ctrl-C and the wall clock decide when the loop stops, never how long a step is. A run that was
+stopped and resumed, or killed and resumed, therefore equals the uninterrupted one bit for bit.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from houle.bundle import as_failure, write_bundle
+from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
+from houle.progress import Silent
+from houle.recorder import Recorder, sample
+
+if TYPE_CHECKING:
+    from houle.case import Case
+
+CHECKPOINT_EVERY = 60.0  # s of wall time
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C or a polite kill, after the checkpoint was written; the message says how to go on. Exit status 130."""
+
+
+class Clock:
+    """Wall seconds, CPU seconds and seconds per operation of a run, over all its stretches."""
+
+    def __init__(self) -> None:
+        self.wall, self.cpu = -perf_counter(), -process_time()
+        self.operations: dict[str, float] = {}
+
+    def add(self, wall: float, cpu: float, operations: dict[str, float]) -> None:
+        """What earlier stretches took [s]."""
+        self.wall, self.cpu, self.operations = self.wall + wall, self.cpu + cpu, operations
+
+    def read(self, operations: Mapping[str, float]) -> dict[str, Any]:
+        """The totals, given the seconds per operation of this stretch."""
+        names = {**self.operations, **operations}
+        total = {name: self.operations.get(name, 0.0) + operations.get(name, 0.0) for name in names}
+        return {
+            "wall_seconds": self.wall + perf_counter(),
+            "cpu_seconds": self.cpu + process_time(),
+            "operations": total,
+        }
+
+
+class Session:
+    """begin() or restore(), then march()."""
+
+    def __init__(
+        self, directory: Path, case: Case, simulation: Any, threads: int | None, clock: Clock, says: Silent
+    ) -> None:
+        self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
+        self.outputs = Outputs(directory, case, simulation.grid)
+        self.recorder = Recorder(self.outputs, case.time.end, case.output.every, case.output.series_every)
+        self.manifest = collect(case, threads)
+        self.volume = simulation.particles.total_volume  # at time 0
+        self.newest = Path()  # checkpoint
+
+    def begin(self) -> Session:
+        """The first rows, frame and checkpoint: from here on the run can be resumed, whatever happens."""
+        self.recorder.start(self.simulation)
+        self.checkpoint()
+        return self
+
+    def restore(self, checkpoint: Checkpoint, manifest: Mapping[str, Any]) -> Session:
+        """State, files and clock as they were at the checkpoint; `manifest` is what run.json says of the beginning."""
+        meta = checkpoint.meta
+        self.simulation.restore({k: v for k, v in checkpoint.state.items() if not k.startswith("recorder.")})
+        self.recorder.restore(checkpoint.state)
+        self.outputs.truncate_after(self.recorder.written)
+        self.clock.add(meta["wall_seconds"], meta["cpu_seconds"], meta["operations"])
+        self.volume, self.newest = meta["volume"], checkpoint.path
+        resumed = [*manifest.get("resumed", []), {"step": checkpoint.step, "started": self.manifest["started"]}]
+        self.manifest |= {"case": manifest["case"], "started": manifest["started"], "resumed": resumed}
+        return self
+
+    def march(self, until: float | None) -> bool:
+        """Steps to the end, or past `until` [s]; True at the end. However it ends, it can be resumed."""
+        target = min(self.case.time.end, until if until is not None else self.case.time.end)
+        self.says.start(self.simulation, target, self.volume)
+        try:
+            with stop_signals() as signals:
+                due = perf_counter() + CHECKPOINT_EVERY
+                while self.simulation.time < target and not signals:
+                    self.step()
+                    if perf_counter() >= due:
+                        self.checkpoint()
+                        due = perf_counter() + CHECKPOINT_EVERY
+                self.checkpoint()
+            self.outputs.close()
+        finally:
+            self.says.stop()
+        if signals:
+            raise Interrupted(
+                f"{signals[0]} at t = {self.simulation.time:.4g} s of {self.case.time.end:g} s; "
+                f"a checkpoint is written. Go on with: houle resume {self.directory}"
+            )
+        return self.simulation.time >= self.case.time.end
+
+    def step(self) -> None:
+        """One time step and what it leaves to write."""
+        try:
+            self.simulation.advance(self.recorder.stop)
+            values = sample(self.simulation)
+        except Exception as error:  # whatever it is, the user gets the bundle
+            self.fail(error)
+        self.recorder.step(self.simulation, values)
+        self.outputs.commit_if_due()
+        self.says.step(self.simulation)
+
+    def fail(self, error: Exception) -> NoReturn:
+        """Writes the bundle and raises SimulationError; its message says where the bundle is."""
+        failure = as_failure(error, self.simulation)
+        folder = write_bundle(self.directory, self.simulation, failure, self.newest, self.manifest)
+        self.outputs.close()
+        write_manifest(self.directory, self.summarise(finished=False, failure=str(failure)))
+        failure.args = (f"{failure}\nWhat is known about it is in {folder}; read diagnosis.txt first",)
+        raise failure from error
+
+    def checkpoint(self) -> None:
+        """What was handed to the writers is in the files, then the state is; then run.json says how far the run is."""
+        self.outputs.commit()
+        manifest = self.summarise(finished=False)
+        names = ("time", "wall_seconds", "cpu_seconds", "operations")
+        meta = {"case_hash": self.case.hash, "volume": self.volume, **{n: manifest["summary"][n] for n in names}}
+        state = {**self.simulation.state(), **self.recorder.state()}
+        self.newest = save_checkpoint(self.directory, self.simulation.steps, state, meta)
+        write_manifest(self.directory, manifest)
+
+    def summarise(self, finished: bool, **more: Any) -> dict[str, Any]:
+        """What run.json holds; `finished` once every file of the run is complete."""
+        simulation, last = self.simulation, self.recorder.before[1]
+        volume = simulation.particles.total_volume
+        budget = ("kinetic_energy", "potential_energy", "drag_work", "viscous_work")
+        return summarise(
+            self.manifest,
+            finished=finished,
+            time=simulation.time,
+            steps=simulation.steps,
+            particles=len(simulation.particles),
+            volume_drift=volume / self.volume - 1.0 if self.volume > 0 else 0.0,
+            energy={k: float(v) for k, v in last.items() if k in budget or k.startswith("energy_")},
+            **self.clock.read(simulation.timings),
+            **more,
+        )
+
+
+@contextmanager
+def stop_signals() -> Iterator[list[str]]:
+    """A list that gets the reason when Ctrl-C is pressed or SIGTERM comes; a second one stops at once.
+
+    Only in the main thread, where Python handles signals; elsewhere the list stays empty.
+    """
+    reasons: list[str] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield reasons
+        return
+    wanted: dict[int, str] = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
+    before = {number: signal.getsignal(number) for number in wanted}
+
+    def note(number: int, _: Any) -> None:
+        reasons.append(wanted[number])
+        signal.signal(number, before[number])
+
+    for number in wanted:
+        signal.signal(number, note)
+    try:
+        yield reasons
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,216 @@
+"""A run that was stopped, interrupted or killed, and resumed, is the uninterrupted one bit for bit."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import houle
+from houle import runner
+from houle.errors import CaseError
+from houle.output import checkpoints, load_newest
+
+CASES = Path(__file__).parents[1] / "cases"
+sys.path.insert(0, str(CASES))
+import fake_simulation  # noqa: E402
+
+TINY = {
+    "case": {"name": "tiny"},
+    "domain": {"size": [0.4, 0.2], "spacing": 0.02},
+    "water": [{"box": [[0.0, 0.0], [0.14, 0.16]]}, {"below": 0.03}],
+    "porous": [
+        {"name": "rock", "box": [[0.2, 0.0], [0.3, 0.14]], "porosity": 0.5, "grain_diameter": 0.01,
+         "resistance": {"law": "van-gent-1995"}}
+    ],
+    "gauge": [{"x": 0.1}, {"x": 0.35}],
+    "sensor": [{"at": [0.1, 0.05]}],
+    "time": {"end": 0.3},
+    "output": {"every": 0.1, "series_every": 0.007},
+}  # fmt: skip
+SCRIPT = """
+import os, sys
+if "FAKE_PAUSE" in os.environ:
+    import fake_simulation
+    sys.modules["houle.simulation"] = fake_simulation
+import houle, houle.session
+houle.session.CHECKPOINT_EVERY = 0.1
+try:
+    houle.run("case.toml", out="run", threads=1)
+except KeyboardInterrupt as reason:
+    print(reason)
+    sys.exit(130)
+"""
+
+
+def assert_same(one: houle.Run, other: houle.Run) -> None:
+    """Series, surface, fields and the final state, to the last bit."""
+    for a, b in ((one.series, other.series), (one.surface, other.surface)):
+        assert set(a.variables) == set(b.variables)
+        for name in a.variables:
+            assert a[name].values.tobytes() == b[name].values.tobytes(), name
+    assert list(one.fields.times) == list(other.fields.times)
+    for i in range(len(one.fields.times)):
+        a, b = one.fields.frame(i), other.fields.frame(i)
+        for name in vars(a):
+            assert np.asarray(getattr(a, name)).tobytes() == np.asarray(getattr(b, name)).tobytes(), name
+    a, b = load_newest(one.directory), load_newest(other.directory)
+    assert a.step == b.step and set(a.state) == set(b.state)
+    for name in a.state:
+        assert a.state[name].tobytes() == b.state[name].tobytes(), name
+
+
+@pytest.fixture(autouse=True)
+def without_pictures(monkeypatch):
+    monkeypatch.setattr(runner, "draw", lambda run, session: None)
+
+
+@pytest.fixture
+def fake(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "houle.simulation", fake_simulation)
+    monkeypatch.chdir(tmp_path)
+    return houle.load(fake_simulation.CASE)
+
+
+# ---- on the stand-in: every way to stop
+
+
+def test_stopping_anywhere_and_resuming_changes_nothing(fake):
+    whole = houle.run(fake)
+    for until in (0.001, 0.1, 0.1049, 0.43, 0.49):
+        part = houle.run(fake, until=until)
+        assert part.summary["time"] >= until and not part.summary["finished"]
+        assert_same(whole, houle.resume(part.directory))
+
+
+def test_resuming_again_and_again_changes_nothing(fake):
+    whole = houle.run(fake)
+    run = houle.run(fake, until=0.05)
+    for until in (0.11, 0.2, 0.33, None):
+        run = houle.resume(run.directory, until=until)
+    assert_same(whole, run)
+    assert len(run.manifest["resumed"]) == 4
+    assert run.manifest["case"] == houle.run(fake).manifest["case"]
+
+
+def test_the_clock_goes_on(fake, monkeypatch):
+    monkeypatch.setenv("FAKE_PAUSE", "0.005")
+    part = houle.run(fake, until=0.25).summary
+    run = houle.resume("runs/tank").summary
+    assert run["operations"]["sloshing"] > part["operations"]["sloshing"] + 0.15
+    assert run["wall_seconds"] > part["wall_seconds"] + 0.15
+
+
+def test_a_finished_run_is_returned_as_it_is(fake):
+    run = houle.run(fake)
+    before = {path: path.stat().st_mtime_ns for path in run.directory.iterdir()}
+    assert houle.resume(run.directory).summary == run.summary
+    assert {path: path.stat().st_mtime_ns for path in run.directory.iterdir()} == before
+
+
+def test_a_moved_folder_and_a_damaged_checkpoint_are_no_obstacle(fake, monkeypatch):
+    whole = houle.run(fake)
+    with monkeypatch.context() as patch:
+        patch.setattr("houle.session.CHECKPOINT_EVERY", 0.0)
+        part = houle.run(fake, until=0.05)
+    moved = part.directory.rename("elsewhere")
+    newest = checkpoints(moved)[0]
+    newest.write_bytes(newest.read_bytes()[:-200])
+    assert_same(whole, houle.resume(moved))
+
+
+def test_a_changed_case_is_refused(fake):
+    part = houle.run(fake, until=0.1)
+    text = (part.directory / "case.toml").read_text()
+    (part.directory / "case.toml").write_text(text.replace("end = 0.5", "end = 0.6"))
+    with pytest.raises(CaseError, match="is not the case that was run"):
+        houle.resume(part.directory)
+
+
+def test_without_a_checkpoint_the_cure_is_to_start_again(fake):
+    part = houle.run(fake, until=0.1)
+    for path in checkpoints(part.directory):
+        path.unlink()
+    with pytest.raises(CaseError, match="no good checkpoint"):
+        houle.resume(part.directory)
+
+
+def test_until_must_lie_ahead(fake):
+    part = houle.run(fake, until=0.2)
+    with pytest.raises(CaseError, match=r"until = 0\.1 s is not after"):
+        houle.resume(part.directory, until=0.1)
+
+
+def test_a_failed_run_goes_on_from_before_the_failure(fake, monkeypatch):
+    whole = houle.run(fake)
+    monkeypatch.setenv("FAKE_FAIL", "40!")
+    with pytest.raises(houle.SimulationError):
+        houle.run(fake)
+    monkeypatch.delenv("FAKE_FAIL")
+    assert_same(whole, houle.resume("runs/tank-2"))
+
+
+# ---- in a process of its own: signals
+
+
+def start(directory: Path, case: houle.Case, **environment: str) -> subprocess.Popen[str]:
+    """A run of the case in directory/run; returns when its first checkpoint is there."""
+    (directory / "case.toml").write_text(case.to_toml())
+    path = os.pathsep.join([str(CASES), *sys.path])
+    process = subprocess.Popen(
+        [sys.executable, "-c", SCRIPT], cwd=directory, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env={**os.environ, "PYTHONPATH": path, **environment},
+    )  # fmt: skip
+    deadline = time.monotonic() + 30
+    while not (directory / "run" / "run.json").exists():
+        assert process.poll() is None and time.monotonic() < deadline, process.communicate(timeout=1)[0]
+        time.sleep(0.01)
+    return process
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.17, 0.4])
+def test_kill_9_leaves_readable_files_and_the_resumed_run_is_the_same(fake, tmp_path, delay):
+    whole = houle.run(fake)
+    process = start(tmp_path, fake, FAKE_PAUSE="0.01")
+    time.sleep(delay)
+    process.kill()
+    assert process.wait() == -signal.SIGKILL
+    killed = houle.open_run(tmp_path / "run")
+    assert not killed.summary["finished"]
+    assert killed.series.time.size >= 1 and killed.surface.time.size >= 1 and len(killed.fields.times) >= 1
+    assert_same(whole, houle.resume(killed.directory))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_polite_stop_finishes_the_step_and_says_how_to_go_on(fake, tmp_path, number):
+    whole = houle.run(fake)
+    process = start(tmp_path, fake, FAKE_PAUSE="0.01")
+    time.sleep(0.15)
+    process.send_signal(number)
+    said = process.communicate(timeout=20)[0]
+    assert process.returncode == 130
+    assert "a checkpoint is written" in said and "houle resume run" in said
+    stopped = houle.open_run(tmp_path / "run")
+    newest = load_newest(stopped.directory)
+    assert newest.step == stopped.summary["steps"] > 0
+    assert_same(whole, houle.resume(stopped.directory))
+
+
+# ---- the real simulation
+
+
+@pytest.mark.parametrize("scheme", ["houle", "jh2020"])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_real_simulation_resumes_bit_for_bit(tmp_path, scheme, threads):
+    pytest.importorskip("houle.simulation")
+    case = houle.load(TINY, {"numerics.scheme": scheme, "numerics.remesh_every": 7})
+    whole = houle.run(case, out=tmp_path / "whole", threads=1)
+    for i, until in enumerate((0.004, 0.1, 0.123, 0.287)):
+        part = houle.run(case, out=tmp_path / str(i), threads=threads, until=until)
+        assert_same(whole, houle.resume(part.directory, threads=3 - threads))

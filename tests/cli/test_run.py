@@ -1,0 +1,233 @@
+"""A run as the user meets it: where it goes, when it writes what, how it fails. On a stand-in for the simulation."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import houle
+from houle import laboratory, progress, runner
+from houle.errors import CaseError, SimulationError
+from houle.recorder import Recorder, interpolate, multiple
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
+import fake_simulation  # noqa: E402
+
+
+@pytest.fixture
+def tank(monkeypatch, tmp_path):
+    """The case of the stand-in; runs go to a folder of their own."""
+    monkeypatch.setitem(sys.modules, "houle.simulation", fake_simulation)
+    monkeypatch.setattr(runner, "draw", lambda run, session: None)
+    monkeypatch.chdir(tmp_path)
+    return houle.load(fake_simulation.CASE)
+
+
+def test_importing_houle_loads_nothing_heavy():
+    code = "import sys, houle; print([m for m in ('numpy', 'pydantic', 'xarray', 'matplotlib') if m in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "[]"
+
+
+def test_every_public_name_is_there_and_the_function_run_stays_a_function():
+    assert all(getattr(houle, name) is not None for name in dir(houle))
+    assert callable(houle.run) and houle.run is runner.run
+    with pytest.raises(AttributeError, match="nothing_of_that_name"):
+        houle.nothing_of_that_name  # noqa: B018
+
+
+# ---- what is written when
+
+
+def test_multiples_are_those_of_the_decimal_number():
+    assert multiple(3, 0.1) == 0.3 != 3 * 0.1
+    assert multiple(60, 0.005) == multiple(6, 0.05) == multiple(3, 0.1)
+
+
+def test_interpolation_is_exact_at_the_step_and_keeps_dry_gauges_dry():
+    before, after = (1.0, {"eta": np.array([2.0, np.nan])}), (3.0, {"eta": np.array([4.0, 7.0])})
+    np.testing.assert_array_equal(interpolate(1.5, before, after)["eta"], [2.5, np.nan])
+    np.testing.assert_array_equal(interpolate(3.0, before, after)["eta"], [4.0, 7.0])
+
+
+class Collected:
+    """Stands for the writers."""
+
+    def __init__(self):
+        self.rows, self.frames = [], []
+
+    def append_series(self, time, sample):
+        self.rows.append((time, float(sample["eta"])))
+
+    def append_frame(self, frame):
+        self.frames.append(frame)
+
+
+class Ramp:
+    """Its level is twice the time; steps of an uneven length that do not know the recorder."""
+
+    time = 0.0
+
+    def sample(self):
+        return {"eta": 2.0 * self.time}
+
+    def frame(self):
+        return self.time
+
+
+def test_rows_lie_on_multiples_whatever_the_steps_and_frames_on_stops():
+    out, ramp = Collected(), Ramp()
+    recorder = Recorder(out, end=1.05, every=0.25, series_every=0.1)
+    recorder.start(ramp)
+    while ramp.time < 1.05:
+        ramp.time = min(recorder.stop, ramp.time + 0.13)
+        recorder.step(ramp, {"eta": np.float64(2.0 * ramp.time)})
+    times = [t for t, _ in out.rows]
+    assert times == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
+    np.testing.assert_allclose([eta for _, eta in out.rows], 2.0 * np.array(times), atol=1e-14)
+    assert out.frames == [0.0, 0.25, 0.5, 0.75, 1.0, 1.05]
+
+
+def test_a_run_leaves_rows_frames_and_a_summary(tank):
+    run = houle.run(tank)
+    assert run.directory == Path("runs/tank")
+    assert run.summary["finished"] and run.summary["time"] == 0.5
+    assert run.series.time.values.tolist() == [multiple(k, 0.007) for k in range(72)]
+    assert run.surface.time.values.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]
+    assert list(run.fields.times) == run.surface.time.values.tolist()
+    assert run.summary["volume_drift"] == 0.0
+    assert run.summary["energy"]["energy_forces"] == pytest.approx(float(run.series.energy_forces[-1]), rel=0.1)
+    assert "finished" in repr(run) and "66 steps" in repr(run)
+    assert "<table>" in run._repr_html_()
+
+
+# ---- where it goes
+
+
+def test_a_second_run_of_a_case_does_not_touch_the_first(tank):
+    first, second = houle.run(tank), houle.run(tank)
+    assert [str(first.directory), str(second.directory)] == [str(Path("runs/tank")), str(Path("runs/tank-2"))]
+
+
+def test_a_folder_that_holds_a_run_is_refused_with_a_cure(tank):
+    houle.run(tank, out="here")
+    with pytest.raises(CaseError, match=r"here already holds a run.*houle resume here"):
+        houle.run(tank, out="here")
+
+
+def test_a_file_in_the_way_is_refused_before_anything_is_computed(tank, monkeypatch):
+    monkeypatch.setattr(fake_simulation, "Simulation", None)
+    Path("taken").write_text("")
+    with pytest.raises(CaseError, match="is a file"):
+        houle.run(tank, out="taken/inside")
+
+
+def test_bad_input_leaves_nothing_behind(tank):
+    with pytest.raises(CaseError, match="until = -1"):
+        houle.run(tank, until=-1.0)
+    with pytest.raises(CaseError, match="spacing"):
+        houle.run(tank, overrides={"domain.spacing": -0.1})
+    with pytest.raises(CaseError, match="reference"):
+        houle.run(tank, overrides={"reference": {"surface": "nowhere.csv"}})
+    assert list(Path().iterdir()) == []
+
+
+def test_a_folder_without_a_run_cannot_be_opened_or_resumed(tank, tmp_path):
+    for use in (houle.open_run, houle.resume):
+        with pytest.raises(CaseError, match="holds no run"):
+            use(tmp_path)
+
+
+# ---- the laboratory
+
+
+def test_the_run_is_scored_against_the_laboratory_and_carries_its_data(tank):
+    level = float(houle.run(tank).surface.eta.sel(time=0.2)[0])
+    rows = [f"0.2,{x},{level - 0.002}" for x in (0.05, 0.15)]
+    Path("lab.csv").write_text("\n".join(["# 2 mm below the run", "t_s,x_m,eta_m", *rows]))
+    Path("case.toml").write_text(tank.to_toml() + '\n[reference]\nsurface = "lab.csv"\nerror = 0.004\n')
+    run = houle.run("case.toml")
+    assert run.summary["reference"]["rms"] == [pytest.approx(0.002)]
+    assert run.summary["reference"]["overall"] == pytest.approx(0.002)
+    assert (run.directory / "lab.csv").exists()
+
+
+def test_levels_between_profiles_and_columns_are_linear():
+    import xarray
+
+    eta = [[0.0, 1.0, np.nan], [2.0, 3.0, np.nan]]
+    surface = xarray.Dataset({"eta": (("time", "x"), eta)}, {"time": [0.0, 1.0], "x": [0.5, 1.5, 2.5]})
+    np.testing.assert_allclose(laboratory.level(surface, 0.25, np.array([0.0, 1.0, 2.2])), [0.5, 1.0, 1.5])
+    np.testing.assert_allclose(laboratory.level(surface, 1.0, np.array([1.0])), [2.5])
+
+
+def test_times_after_the_end_and_at_zero_do_not_count(tank):
+    import xarray
+
+    surface = xarray.Dataset({"eta": (("time", "x"), [[0.0], [1.0]])}, {"time": [0.0, 1.0], "x": [0.5]})
+    points = laboratory.Points(np.array([0.0, 1.0, 2.0]), np.full(3, 0.5), np.array([9.0, 0.5, 0.0]))
+    assert laboratory.score(points, surface) == laboratory.Score([0.0, 1.0], [9.0, 0.5], 0.5, 2)
+    assert laboratory.score(laboratory.Points(*np.array([[2.0], [0.5], [0.0]])), surface) is None
+
+
+@pytest.mark.parametrize("text", ["", "t_s,x_m\n1,2\n", "t_s,x_m,eta_m\n1,2\n", "t_s,x_m,eta_m\n1,2,wet\n"])
+def test_a_bad_laboratory_file_says_what_it_should_be(tmp_path, text):
+    file = tmp_path / "lab.csv"
+    file.write_text(text)
+    with pytest.raises(CaseError, match="t_s,x_m,eta_m"):
+        laboratory.read(file)
+
+
+# ---- failures
+
+
+@pytest.mark.parametrize("how", ["5", "5!"])
+def test_a_failure_leaves_a_bundle(tank, monkeypatch, how):
+    monkeypatch.setenv("FAKE_FAIL", how)
+    with pytest.raises(SimulationError, match="failure") as caught:
+        houle.run(tank)
+    folder = Path("runs/tank/failure")
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"case.toml", "checkpoint-0.h5", "diagnosis.txt", "versions.json", "worst.json"}
+    assert caught.value.step == 5
+    worst = json.loads((folder / "worst.json").read_text())
+    assert worst["step"] == 5 and len(worst["worst"]) == (1 if how == "5" else 20)
+    text = (folder / "diagnosis.txt").read_text()
+    assert "Step 5" in text and "checkpoint-0.h5" in text
+    assert ("pushed over" in text) if how == "5" else ("ZeroDivisionError: nobody foresaw this" in text)
+    assert json.loads((folder / "versions.json").read_text())["python"]["packages"]["numpy"] == np.__version__
+    run = houle.open_run("runs/tank")
+    assert not run.summary["finished"] and run.surface.time.size == 1
+
+
+def test_the_worst_particles_are_those_that_are_not_finite_then_the_fastest():
+    from houle.bundle import worst_particles
+    from houle.particles import Particles
+
+    velocity = np.array([[0.0, 0.0], [3.0, 4.0], [np.nan, 0.0], [1.0, 0.0]])
+    worst = worst_particles(Particles(np.zeros((4, 2)), velocity, np.ones(4)))
+    assert [w["particle"] for w in worst] == [2, 1, 3, 0]
+
+
+# ---- progress
+
+
+def test_lines_say_time_speed_and_drift(tank, monkeypatch):
+    monkeypatch.setattr(progress.Lines, "every", 0.0)
+    stream = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    houle.run(tank, progress=True)
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "houle: reading tank"
+    last = next(line for line in reversed(lines) if line.startswith("t ="))
+    assert last.startswith("t = 0.500 of 0.5 s (100 %), ")
+    assert all(word in last for word in ("steps/s", "us/particle/step", "200 particles", "volume drift +0e+00", "left"))
+
+
+def test_durations_read_well():
+    assert [progress.duration(s) for s in (0.04, 9.96, 75, 7261)] == ["0.0 s", "10 s", "1 min 15 s", "2 h 01 min"]
