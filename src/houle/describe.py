@@ -21,8 +21,8 @@ PAPER = "Ramos Ortega, Beaudoin & Huberson (2020), 17emes Journees de l'Hydrodyn
 SCHEMES: Rows = {
     "houle": (
         "Particles carry the Darcy velocity and a water volume, the grid solves the pressure with p = 0 on the true "
-        "surface inside the cells; the drag is implicit inside the projection, the change of porosity acts as a force on the faces, and "
-        "particles move with the pore velocity u_d/n. Transfer by the full mass matrix (fmpm) with the linear kernel, "
+        "surface inside the cells; the drag is implicit inside the projection, the change of porosity acts as a force "
+        "on the faces, particles move with the pore velocity u_d/n. Transfer by the full mass matrix (fmpm) with the linear kernel, "
         "positions corrected towards uniform volume, remeshing that conserves volume and momentum.",
         "docs/theory.md and docs/decisions",
     ),
@@ -98,8 +98,8 @@ OTHERS: Rows = {
 }
 
 
-RESISTANCE = """Drag per unit mass of water: a u_d + b |u_d| u_d, with the Darcy velocity u_d = n u. Every law has its own
-powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number (left out: steady).
+RESISTANCE = """Drag per unit mass of water: a u_d + b |u_d| u_d, with the Darcy velocity u_d = n u. Every law has its
+own powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number (left out: steady).
 Or directly: resistance = {a = ..., b = ...}, or {permeability = ..., forchheimer = ...}; a = nu/K_p, b = C_f/sqrt(K_p).
 Inertia: C_r = 1 + added_mass (1-n)/n; 0.34: van Gent (1995)."""
 
@@ -129,14 +129,14 @@ def numerics(console: Console) -> None:
 
     console.print(_rows("scheme", SCHEMES))
     keys = list(VALUES["houle"])
-    table = _table("key of [numerics]", *(f'scheme = "{name}"' for name in VALUES), "meaning")
+    table = _table(escape("key of [numerics]"), *(f'scheme = "{name}"' for name in VALUES), "meaning")
     meaning = {**dict.fromkeys(keys, ""), **{k: words for k, (words, _) in OTHERS.items()}}
     meaning |= {"transfer": "see `houle describe transfers`", "kernel": "see `houle describe kernels`"}
     meaning |= {"remesh": "see `houle describe remeshing`"}
     for key in keys:
         table.add_row(key, *(str(values[key]) for values in VALUES.values()), meaning[key])
     console.print(table)
-    console.print("A key given in [numerics] overrides the scheme's.", highlight=False)
+    console.print(escape("A key given in [numerics] overrides the scheme's."), highlight=False)
     console.print(_rows("method", {k: row for k, row in OTHERS.items() if row[1] != "-"}))
 
 

@@ -1,0 +1,162 @@
+"""Resistance laws against values computed by hand, and what follows from their physics."""
+
+from math import inf, isclose, sqrt
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from houle.case import load
+from houle.resistance import (
+    LAWS,
+    coefficients,
+    from_permeability,
+    inertia_coefficient,
+    keulegan_carpenter,
+    passport,
+    steady_velocity,
+)
+
+NU, G = 1e-6, 9.81
+ROCK, BEADS = (0.49, 0.0159), (0.39, 0.003)  # porosity, d50 [m]: crushed rock and glass beads of Liu et al. (1999)
+
+# law, coefficients, then a [1/s], b [1/m] and drag/g at u_d = 0.1 m/s in rock and in beads, from a pocket calculator:
+# (1-n)^2/n^3 is 2.2108 in the rock and 6.2729 in the beads, (1-n)/n^3 is 4.3349 and 10.2834
+TABLE = [
+    ("liu-1999", {}, (1.75, 300, 0.32), (139, 3771, 5.3)),
+    ("jensen-2014", {}, (4.37, 577, 0.63), (348, 7257, 11)),
+    ("ergun-1952", {}, (1.31, 477, 0.50), (105, 5999, 7.2)),
+    ("olaflow", {}, (0.223, 545, 0.56), (21.3, 6856, 7.2)),
+    ("van-gent-1995", {}, (8.75, 300, 0.395), (697, 3771, 11)),
+    ("engelund-1953", {}, (2.19, 763, 0.80), (166, 9598, 11.5)),
+]
+
+
+@pytest.mark.parametrize(("law", "given_values", "rock", "beads"), TABLE)
+def test_published_laws_give_the_values_computed_by_hand(law, given_values, rock, beads):
+    for (n, d), (a, b, drag) in ((ROCK, rock), (BEADS, beads)):
+        computed = LAWS[law](n, d, NU, **given_values)
+        assert computed == pytest.approx((a, b), rel=0.006)
+        assert (computed[0] + computed[1] * 0.1) * 0.1 / G == pytest.approx(drag, rel=0.025)
+
+
+@pytest.mark.parametrize(("material", "b"), [(ROCK, 475), (BEADS, 4101)])
+def test_liu_with_the_local_keulegan_carpenter_number(material, b):
+    n, d = material
+    kc = keulegan_carpenter(0.1, n, d)
+    assert LAWS["liu-1999"](n, d, NU, kc=kc)[1] == pytest.approx(b, rel=0.003)
+
+
+def test_keulegan_carpenter_floors():
+    assert keulegan_carpenter(0.0, 0.5, 0.02) == pytest.approx(1.0)  # 0.01 m/s times 1 s over 0.01 m
+    assert keulegan_carpenter(-0.1, 0.5, 0.02, period=2.0) == pytest.approx(20.0)
+
+
+def test_exact_digits_of_one_law():
+    a, b = LAWS["ergun-1952"](0.5, 0.01, 1e-6)  # (1-n)^2/n^3 = 2, (1-n)/n^3 = 4
+    assert a == pytest.approx(150 * 2 * 1e-6 / 1e-4, rel=1e-14)
+    assert b == pytest.approx(1.75 * 4 / 0.01, rel=1e-14)
+    a, b = LAWS["engelund-1953"](0.5, 0.01, 1e-6)  # (1-n)^3/n^2 = 1/2
+    assert (a, b) == pytest.approx((5.0, 1120.0), rel=1e-14)
+    assert LAWS["olaflow"](0.5, 0.01, 1e-6)[0] == pytest.approx(50 * 1 * 1e-6 / 1e-4, rel=1e-14)  # cube: 1
+    assert LAWS["jensen-2014"](0.5, 0.01, 1e-6)[1] == pytest.approx(2 * (1 + 7.5 / 128) * 4 / 0.01, rel=1e-14)
+
+
+def test_huang_is_three_times_ergun_in_the_rock_as_its_status_warns():
+    drag = {law: (a + b * 0.1) * 0.1 for law in ("huang-2003", "ergun-1952") for a, b in [LAWS[law](*ROCK, NU)]}
+    assert 2.5 < drag["huang-2003"] / drag["ergun-1952"] < 4
+    permeability = 1.643e-7 * 1.59**1.57 * 0.49**3 / 0.51**2  # [m2], by hand 1.539e-7
+    assert permeability == pytest.approx(1.539e-7, rel=1e-3)
+    assert LAWS["huang-2003"](*ROCK, NU)[0] == pytest.approx(NU / permeability, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@given(n=st.floats(0.2, 0.9), d=st.floats(1e-3, 1.0))
+def test_every_law_resists_more_with_smaller_pores_and_finer_grains(law, n, d):
+    a, b = LAWS[law](n, d, NU)
+    assert a > 0 and b > 0
+    denser = LAWS[law](0.95 * n, d, NU)
+    assert denser[0] > a
+    assert denser[1] > b or law == "huang-2003"  # as its status says
+    finer = LAWS[law](n, 0.5 * d, NU)
+    assert finer[0] > a and finer[1] > b
+    assert LAWS[law](n, d, 2 * NU)[0] == pytest.approx(2 * a)  # Darcy's term is viscous
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_clear_water_does_not_resist_and_every_law_says_where_it_is_from(law):
+    assert LAWS[law](1.0, 0.01, NU) == (0.0, 0.0)
+    assert "READ" in LAWS[law].status or "RECALLED" in LAWS[law].status
+    assert "(" in LAWS[law].source and "a =" in LAWS[law].words or "K_p =" in LAWS[law].words
+
+
+@given(k=st.floats(1e-10, 1e-4), c=st.floats(0.01, 5.0))
+def test_permeability_and_forchheimer_come_back(k, c):
+    a, b = from_permeability(k, c, NU)
+    assert isclose(NU / a, k) and isclose(b * sqrt(NU / a), c)
+
+
+def test_inertia():
+    assert inertia_coefficient(0.49, 0.34) == pytest.approx(1.353877551)
+    assert inertia_coefficient(1.0) == 1.0
+
+
+@given(a=st.floats(1e-3, 1e3), b=st.floats(0.0, 1e4), i=st.floats(0.01, 1.0))
+def test_steady_velocity_balances_the_gradient(a, b, i):
+    u = steady_velocity(a, b, i)
+    assert a * u + b * u * u == pytest.approx(G * i)
+
+
+def test_without_drag_there_is_no_steady_velocity():
+    assert steady_velocity(0.0, 0.0, 1.0) == inf
+
+
+def body(**changes):
+    tables = {
+        "case": {"name": "t"},
+        "domain": {"size": [1.0, 0.5], "spacing": 0.01},
+        "water": [{"below": 0.2}],
+        "porous": [{"name": "dam", "box": [[0.3, 0.0], [0.6, 0.4]], "porosity": 0.49, "grain_diameter": 0.0159}],
+        "time": {"end": 1.0},
+    }
+    tables["porous"][0] |= {"resistance": {"law": "jensen-2014"}, **changes}
+    return load(tables)
+
+
+def test_passport_of_the_rock():
+    case = body()
+    p = passport(case.porous[0], case.fluid, velocity=0.1)
+    assert (p.a, p.b) == pytest.approx((4.37, 577), rel=0.002)
+    assert p.permeability == pytest.approx(2.287e-7, rel=1e-3)  # 1e-6/4.3725
+    assert p.forchheimer == pytest.approx(0.2760, rel=1e-3)  # 577.2 sqrt(2.287e-7)
+    assert p.linear_share == pytest.approx(4.3725 / (4.3725 + 57.72), rel=1e-3)
+    assert p.gradient == pytest.approx(0.633, rel=1e-3) and p.gradient == p.reference_gradient
+    assert p.reynolds == pytest.approx(1590) and p.warnings == ()
+    assert p.inertia == pytest.approx(1.35388, rel=1e-5)
+
+
+def test_passport_in_steady_flow_uses_the_whole_gradient():
+    case = body()
+    p = passport(case.porous[0], case.fluid, gradient=0.5)
+    assert p.gradient == pytest.approx(0.5)
+
+
+def test_passport_warns_outside_the_range_of_the_law():
+    case = body(grain_diameter=0.08, porosity=0.7)
+    warnings = "; ".join(passport(case.porous[0], case.fluid).warnings)
+    assert "porosity = 0.7 is outside 0.39 to 0.53" in warnings
+    assert "grain_diameter = 0.08 m is outside 0.003 to 0.0159" in warnings
+
+
+@pytest.mark.parametrize(
+    ("resistance", "expected"),
+    [
+        ({"a": 3.0, "b": 400.0}, (3.0, 400.0)),
+        ({"permeability": 1e-7, "forchheimer": 0.5}, (10.0, 0.5 / sqrt(1e-7))),
+        ({"law": "van-gent-1995", "alpha": 500.0, "beta": 2.0, "kc": 128.0}, (4.3725, 577.22)),
+    ],
+)
+def test_three_ways_to_give_a_resistance(resistance, expected):
+    case = body(resistance=resistance)
+    rock = case.porous[0]
+    assert coefficients(rock.resistance, rock.porosity, rock.grain_diameter, NU) == pytest.approx(expected, rel=1e-4)
