@@ -1,0 +1,387 @@
+// Remeshing: particles give their water to the nodes of a regular lattice, one node per half cell, at (i + 1/2) h/2.
+//
+// The weights are the tensor product of Monaghan's M4' (the paper's eq. (7)): they sum to 1 and their first and second
+// moments are exact, so in full water the new particles sit on the nodes and volume, momentum V u_d, first and second
+// moments of volume are those of the old ones. A particle that does not see all its nodes (free surface, porous
+// interface, solid) gives to those it sees, and hands on with its volume the distance from the centre of what it gave
+// to itself; this moves the receiving particles off their nodes by a fraction of the lattice spacing. So volume,
+// momentum and centre of volume are conserved everywhere, and with it the potential energy. Nodes nearly empty are
+// merged.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "kernels.hpp"
+
+namespace houle {
+
+template <int D>
+struct Lattice {  // the nodes, and where a position lies among them
+  std::array<index, D> shape{}, stride{};
+  std::array<double, D> h{};
+  std::array<bool, D> periodic{};
+  double volume = 1;  // of a node's half cell [m^D]
+
+  explicit Lattice(const Grid<D>& g) : periodic(g.periodic) {
+    for (int a = 0; a < D; ++a) {
+      shape[a] = 2 * g.shape[a];
+      h[a] = 0.5 * g.h[a];
+      volume *= h[a];
+    }
+    stride = Grid<D>::strides(shape);
+  }
+  index nodes() const { return shape[0] * stride[0]; }
+  index fold(int a, index i) const {  // of a node outside: the one it repeats, or its mirror image
+    const index n = shape[a];
+    if (periodic[a]) return i < 0 ? i + n : (i >= n ? i - n : i);
+    return i < 0 ? -1 - i : (i >= n ? 2 * n - 1 - i : i);
+  }
+  double scaled(int a, double x) const { return std::clamp(x / h[a], 0.0, static_cast<double>(shape[a])); }
+  index half_cell(const double* x) const {  // the node whose half cell holds x
+    index f = 0;
+    for (int a = 0; a < D; ++a) f += std::min(static_cast<index>(scaled(a, x[a])), shape[a] - 1) * stride[a];
+    return f;
+  }
+};
+
+template <int D>
+struct LatticeStencil {  // the 4^D nodes around a particle: per axis their place in memory, weight, distance from the
+                         // particle
+  index at[D][4];
+  double w[D][4], reach[D][4];
+
+  // A node behind a wall is its mirror image. Its distance counts as that of the image in plan, so that the lattice
+  // stays regular at side walls, and as that of the node itself on the last axis, so that no water is lifted.
+  LatticeStencil(const Lattice<D>& l, const double* x) {
+    for (int a = 0; a < D; ++a) {
+      const double s = l.scaled(a, x[a]) - 0.5, base = std::floor(s);
+      M4PrimeKernel::weights(s, static_cast<index>(base) - 1, 0.0, w[a], nullptr);
+      for (int k = 0; k < 4; ++k) {
+        const index i = static_cast<index>(base) + k - 1, inside = l.fold(a, i);
+        at[a][k] = inside * l.stride[a];
+        reach[a][k] = (static_cast<double>(a == D - 1 && !l.periodic[a] ? inside : i) - s) * l.h[a];
+      }
+    }
+  }
+  template <class Visit>
+  void each(Visit visit) const {  // visit(node, weight, k): k[a] is the place 0..3 of the node on axis a
+    int k[D];
+    for (k[0] = 0; k[0] < 4; ++k[0])
+      for (k[1] = 0; k[1] < 4; ++k[1]) {
+        const index node = at[0][k[0]] + at[1][k[1]];
+        const double weight = w[0][k[0]] * w[1][k[1]];
+        if constexpr (D == 2)
+          visit(node, weight, k);
+        else
+          for (k[2] = 0; k[2] < 4; ++k[2]) visit(node + at[2][k[2]], weight * w[2][k[2]], k);
+      }
+  }
+};
+
+// Particles in slabs along the first axis, wide enough that every second slab writes to nodes of its own: two sweeps
+// over independent slabs scatter without conflict, in an order that the number of threads does not change.
+template <int D>
+class Slabs {
+ public:
+  Slabs(const Lattice<D>& l, index n, const double* x) {
+    const index nodes = l.shape[0];
+    count_ = nodes < 8 ? 1 : nodes / 8 * 2;  // even (periodic axes), each at least 4 nodes wide
+    start_.assign(static_cast<std::size_t>(count_) + 1, 0);
+    order_.resize(static_cast<std::size_t>(n));
+    std::vector<index> slab(static_cast<std::size_t>(n));
+    index* s = slab.data();
+    const index count = count_;
+    parallel_for(n, [=, &l](index p) {
+      const index i = static_cast<index>(l.scaled(0, x[p * D]) + 0.5);
+      s[p] = std::min(i, nodes - 1) * count / nodes;
+    });
+    for (index p = 0; p < n; ++p) ++start_[slab[p] + 1];
+    for (index c = 0; c < count_; ++c) start_[c + 1] += start_[c];
+    std::vector<index> next(start_.begin(), start_.end() - 1);
+    for (index p = 0; p < n; ++p) order_[next[slab[p]]++] = p;
+  }
+  template <class Body>
+  void scatter(Body body) const {  // body(p) for every particle
+    const index *start = start_.data(), *order = order_.data();
+    for (index colour = 0; colour < 2; ++colour)
+      parallel_for_heavy((count_ + 1 - colour) / 2, [=](index i) {
+        const index s = 2 * i + colour;
+        for (index q = start[s]; q < start[s + 1]; ++q) body(order[q]);
+      });
+  }
+
+ private:
+  index count_;
+  std::vector<index> start_, order_;
+};
+
+template <int D>
+struct ParticleView {
+  index n;
+  const double *x, *u, *volume, *porosity;  // (n, D), (n, D), (n,), (n,)
+};
+
+template <int D>
+struct ParticleArrays {
+  std::vector<double> x, u, volume;
+  explicit ParticleArrays(index n) : x(n * D), u(n * D), volume(n) {}
+};
+
+// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D, all classes together
+template <int D>
+inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs, const ParticleView<D>& p) {
+  std::vector<double> fill(static_cast<std::size_t>(l.nodes()), 0.0);
+  double* f = fill.data();
+  slabs.scatter([=, &l](index i) {
+    const double bulk = p.volume[i] / (p.porosity[i] * l.volume);
+    LatticeStencil<D>(l, p.x + i * D).each([=](index node, double w, const int*) { f[node] += w * bulk; });
+  });
+  return fill;
+}
+
+template <int D>
+struct Receivers {  // the nodes that may hold a particle, in memory order; number[node] is -1 for the others
+  std::vector<std::int32_t> number;
+  std::vector<index> node;
+
+  // class_of: (nodes,) class of each node, negative for solid; null: no classes
+  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const std::int32_t* class_of, double threshold)
+      : number(fill.size()) {
+    std::int32_t count = 0;
+    for (index i = 0; i < l.nodes(); ++i)
+      number[i] = fill[i] >= threshold && (!class_of || class_of[i] >= 0) ? count++ : -1;
+    node.resize(count);
+    for (index i = 0; i < l.nodes(); ++i)
+      if (number[i] >= 0) node[number[i]] = i;
+  }
+  index count() const { return static_cast<index>(node.size()); }
+};
+
+template <int D>
+struct Gathered {               // what a node was given
+  double volume = 0, bulk = 0;  // V, V/n
+  double momentum[D] = {};      // V u_d
+  double moment[D] = {};        // V times (where the water was - where the node is)
+
+  Gathered() = default;
+  Gathered(const ParticleView<D>& p, index i) : volume(p.volume[i]), bulk(p.volume[i] / p.porosity[i]) {
+    for (int a = 0; a < D; ++a) momentum[a] = p.volume[i] * p.u[i * D + a];
+  }
+
+  void take(double w, const Gathered& g) {
+    volume += w * g.volume;
+    bulk += w * g.bulk;
+    for (int a = 0; a < D; ++a) momentum[a] += w * g.momentum[a];
+    for (int a = 0; a < D; ++a) moment[a] += w * g.moment[a];
+  }
+};
+
+namespace remesh {  // thresholds, in half cells of bulk volume; smaller ones follow the surface better, with more
+                    // particles
+constexpr double receive = 0.2;  // a node with less does not take part
+constexpr double keep = 0.1;     // a node that got less gives it to its fullest neighbour
+constexpr double see = 0.5;      // sum of the weights a particle must see, else all goes to the nearest node within h
+}  // namespace remesh
+
+// Gives particle i to the receivers of its class; false where none is near (spray): the particle then stays as it is.
+template <int D>
+inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const std::int32_t* number,
+                 const std::int32_t* class_of, Gathered<D>* nodes) {
+  const double* x = p.x + i * D;
+  const std::int32_t own = class_of[l.half_cell(x)];
+  if (own < 0) return false;
+  const LatticeStencil<D> s(l, x);
+  Gathered<D> g(p, i);
+
+  const auto sees = [=](index node) { return number[node] >= 0 && class_of[node] == own; };
+  bool all = true;
+  s.each([&](index node, double, const int*) { all = all && sees(node); });
+  if (all) {
+    for (int a = 0; a < D; ++a)
+      for (int k = 0; k < 4; ++k) g.moment[a] -= g.volume * s.w[a][k] * s.reach[a][k];
+    s.each([=](index node, double w, const int*) { nodes[number[node]].take(w, g); });
+    return true;
+  }
+
+  double sum = 0, centre[D] = {}, nearest = 1;
+  index nearest_node = -1;
+  int nearest_k[D];
+  s.each([&](index node, double w, const int* k) {
+    if (!sees(node)) return;
+    sum += w;
+    double distance = 0;  // squared, in lattice spacings
+    for (int a = 0; a < D; ++a) {
+      const double r = s.reach[a][k[a]];
+      centre[a] += w * r;
+      distance += r * r / (l.h[a] * l.h[a]);
+    }
+    if (distance >= nearest) return;
+    nearest = distance;
+    nearest_node = node;
+    for (int a = 0; a < D; ++a) nearest_k[a] = k[a];
+  });
+  if (sum > remesh::see) {
+    for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
+    s.each([=](index node, double w, const int*) {
+      if (sees(node)) nodes[number[node]].take(w / sum, g);
+    });
+    return true;
+  }
+  if (nearest_node < 0) return false;
+  for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * s.reach[a][nearest_k[a]];
+  nodes[number[nearest_node]].take(1, g);
+  return true;
+}
+
+// The node of the same class within `radius` nodes that holds most, if it holds more than `least`; -1: none
+template <int D>
+inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, double least, const std::int32_t* number,
+                               const std::int32_t* class_of, const Gathered<D>* nodes) {
+  const auto centre = Grid<D>::unflat(node, l.shape);
+  const index width = 2 * radius + 1, candidates = D == 2 ? width * width : width * width * width;
+  index best = -1;
+  for (index c = 0; c < candidates; ++c) {
+    index rest = c, other = 0;
+    bool inside = true;
+    for (int a = D - 1; a >= 0; --a, rest /= width) {
+      index i = centre[a] + rest % width - radius;
+      if (l.periodic[a]) i = (i + l.shape[a]) % l.shape[a];
+      inside = inside && i >= 0 && i < l.shape[a];
+      other += i * l.stride[a];
+    }
+    if (!inside || number[other] < 0 || class_of[other] != class_of[node]) continue;
+    if (nodes[number[other]].bulk > least) {
+      least = nodes[number[other]].bulk;
+      best = other;
+    }
+  }
+  return best;
+}
+
+// Nodes that hold less than `keep` of a half cell (or less than nothing: M4' has negative lobes) give it all away. On
+// return gone[r] tells which; a little water with no neighbour to go to stays.
+template <int D>
+inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers,
+                                              const std::int32_t* class_of, Gathered<D>* nodes) {
+  const index count = receivers.count();
+  std::vector<index> target(count, -1);
+  std::vector<unsigned char> gone(count, 0);
+  const std::int32_t* number = receivers.number.data();
+  const index* node = receivers.node.data();
+  index* to = target.data();
+  const double enough = remesh::keep * l.volume;
+  parallel_for(count, [=, &l](index r) {
+    if (nodes[r].volume == 0 || nodes[r].bulk >= enough) return;
+    for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
+      to[r] = fullest_neighbour(l, node[r], radius, enough, number, class_of, nodes);
+    if (to[r] < 0 && nodes[r].bulk <= 0) to[r] = fullest_neighbour(l, node[r], 3, 0.0, number, class_of, nodes);
+  });
+  for (index r = 0; r < count; ++r) {
+    gone[r] = nodes[r].volume == 0;
+    if (to[r] < 0) continue;
+    Gathered<D> given = nodes[r];
+    const auto from = Grid<D>::unflat(node[r], l.shape), onto = Grid<D>::unflat(to[r], l.shape);
+    for (int a = 0; a < D; ++a) {
+      index step = from[a] - onto[a];
+      if (l.periodic[a] && std::abs(step) > 3) step += step > 0 ? -l.shape[a] : l.shape[a];
+      given.moment[a] += given.volume * static_cast<double>(step) * l.h[a];
+    }
+    nodes[number[to[r]]].take(1, given);
+    gone[r] = 1;
+  }
+  return gone;
+}
+
+// Position of the particle of a node: where its water came from on average, never in a half cell of another class.
+template <int D>
+inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const std::int32_t* class_of, double* x) {
+  const auto at = Grid<D>::unflat(node, l.shape);
+  double offset[D];
+  bool inside = true;
+  for (int a = 0; a < D; ++a) {
+    const double size = l.h[a] * static_cast<double>(l.shape[a]);
+    offset[a] = std::clamp(g.moment[a] / g.volume, -l.h[a], l.h[a]);
+    x[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a] + offset[a];
+    if (l.periodic[a]) x[a] -= size * std::floor(x[a] / size);
+    inside = inside && x[a] >= 0 && x[a] <= size;
+  }
+  if (inside && class_of[l.half_cell(x)] == class_of[node]) return;
+  constexpr double half = 0.5 - 1e-9;
+  for (int a = 0; a < D; ++a)
+    x[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a] + std::clamp(offset[a], -half * l.h[a], half * l.h[a]);
+}
+
+// The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
+// class_of (nodes,): water moves only between particles and nodes of the same class; negative: solid, holds no node.
+// Conserves, in every class, sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
+// place().
+template <int D>
+inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int32_t* class_of,
+                                             const ParticleView<D>& p) {
+  const Lattice<D> l(grid);
+  const Slabs<D> slabs(l, p.n, p.x);
+  const Receivers<D> receivers(l, node_fill(l, slabs, p), class_of, remesh::receive);
+  const index count = receivers.count();
+  std::vector<Gathered<D>> gathered(count);
+  std::vector<unsigned char> stayed(p.n);
+  const std::int32_t* number = receivers.number.data();
+  Gathered<D>* nodes = gathered.data();
+  unsigned char* stays = stayed.data();
+  slabs.scatter([=, &l](index i) { stays[i] = !give(l, p, i, number, class_of, nodes); });
+  const auto gone = merge_small(l, receivers, class_of, nodes);
+
+  std::vector<index> from;  // node numbers, then count + particle numbers
+  from.reserve(count);
+  for (index r = 0; r < count; ++r)
+    if (!gone[r]) from.push_back(r);
+  for (index i = 0; i < p.n; ++i)
+    if (stays[i]) from.push_back(count + i);
+  ParticleArrays<D> out(static_cast<index>(from.size()));
+  const index *source = from.data(), *node = receivers.node.data();
+  double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
+  parallel_for(static_cast<index>(from.size()), [=, &l](index i) {
+    const index r = source[i], old = r - count;
+    volume[i] = r < count ? nodes[r].volume : p.volume[old];
+    if (r < count) place(l, node[r], nodes[r], class_of, x + i * D);
+    for (int a = 0; a < D; ++a) {
+      if (r >= count) x[i * D + a] = p.x[old * D + a];
+      u[i * D + a] = r < count ? nodes[r].momentum[a] / nodes[r].volume : p.u[old * D + a];
+    }
+  });
+  return out;
+}
+
+// The paper's remeshing, eqs (6)-(7) with V_j inside the sum and tensor weights: a full particle, V = n h^D, on every
+// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. Blind to classes. Water is not
+// conserved: every remeshing moves the surface to the outermost node that any particle reaches, which raises it.
+template <int D>
+inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const ParticleView<D>& p, double threshold) {
+  const Lattice<D> l(grid);
+  const Slabs<D> slabs(l, p.n, p.x);
+  const Receivers<D> receivers(l, node_fill(l, slabs, p), nullptr, threshold);
+  std::vector<Gathered<D>> gathered(receivers.count());
+  const std::int32_t* number = receivers.number.data();
+  Gathered<D>* nodes = gathered.data();
+  slabs.scatter([=, &l](index i) {
+    const Gathered<D> g(p, i);
+    LatticeStencil<D>(l, p.x + i * D).each([=](index node, double w, const int*) {
+      if (number[node] >= 0) nodes[number[node]].take(w, g);
+    });
+  });
+  ParticleArrays<D> out(receivers.count());
+  const index* node = receivers.node.data();
+  double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
+  parallel_for(receivers.count(), [=, &l](index r) {
+    const auto at = Grid<D>::unflat(node[r], l.shape);
+    volume[r] = std::min(1.0, nodes[r].volume / nodes[r].bulk) * l.volume;
+    for (int a = 0; a < D; ++a) {
+      x[r * D + a] = (static_cast<double>(at[a]) + 0.5) * l.h[a];
+      u[r * D + a] = nodes[r].momentum[a] / nodes[r].volume;
+    }
+  });
+  return out;
+}
+
+}  // namespace houle
