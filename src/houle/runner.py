@@ -22,7 +22,7 @@ CASE_FILE = "case.toml"
 
 
 def run(
-    case: Case | str | os.PathLike[str],
+    case: Case | str | Path,
     out: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     until: float | None = None,
@@ -41,7 +41,7 @@ def run(
     SimulationError (the run failed; DIR/failure says why), session.Interrupted (Ctrl-C; a checkpoint was written).
     """
     says = reporter(progress)
-    says.say(f"houle: reading {case if isinstance(case, str | os.PathLike) else case.case.name}")
+    says.say(f"houle: reading {case if isinstance(case, str | Path) else case.case.name}")
     from houle import checks, laboratory
     from houle.case import load
     from houle.session import Clock, Session

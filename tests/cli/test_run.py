@@ -17,7 +17,7 @@ from houle.errors import CaseError, SimulationError
 from houle.recorder import Recorder, interpolate, multiple
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
-import fake_simulation  # noqa: E402
+import fake_simulation
 
 
 @pytest.fixture
