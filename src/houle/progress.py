@@ -29,18 +29,20 @@ class Numbers:
     left: float | None  # [s] of wall time
 
     def __str__(self) -> str:
-        return ", ".join([f"t = {self.time:.3f} of {self.end:g} s ({self.percent:.0f} %)", *self.details()])
+        return ", ".join([f"t = {self.time:.3f} of {self.end:g} s", self.share, *self.details])
 
     @property
-    def percent(self) -> float:
-        return 100.0 * min(1.0, self.time / self.end) if self.end > 0 else 100.0
+    def share(self) -> str:
+        """How much is done, and how long the rest will take."""
+        done = f"{100.0 * self.time / self.end:.0f} %"
+        return done if self.left is None else f"{done}, {duration(self.left)} left"
 
+    @property
     def details(self) -> list[str]:
-        words = [f"{self.particles:,} particles".replace(",", " "), f"volume drift {self.drift:+.0e}"]
-        if self.steps_per_second is not None and self.microseconds is not None and self.left is not None:
-            speed = f"{self.steps_per_second:.3g} steps/s"
-            words = [speed, f"{self.microseconds:.2f} us/particle/step", *words, f"{duration(self.left)} left"]
-        return words
+        speed = []
+        if self.steps_per_second is not None and self.microseconds is not None:
+            speed = [f"{self.steps_per_second:.3g} steps/s", f"{self.microseconds:.2f} us/particle/step"]
+        return [*speed, f"{self.particles:,} particles".replace(",", " "), f"volume drift {self.drift:+.0e}"]
 
 
 class Meter:
@@ -61,7 +63,7 @@ class Meter:
         speed = micro = left = None
         if done > 0 and wall > 0:
             speed, micro = done / wall, 1e6 * wall / done / max(1, count)
-            left = max(0.0, self.end - simulation.time) * wall / (simulation.time - time)
+            left = max(0.0, self.end - simulation.time) * wall / max(1e-300, simulation.time - time)
         return Numbers(simulation.time, self.end, count, drift, speed, micro, left)
 
 
@@ -93,7 +95,7 @@ class Lines(Silent):
         print(text, file=self.stream, flush=True)
 
     def start(self, simulation: Any, end: float, volume: float) -> None:
-        self.meter = Meter(end, volume)
+        self.meter, self.simulation = Meter(end, volume), simulation
         self.show(self.meter.read(simulation))
 
     def step(self, simulation: Any) -> None:
@@ -104,31 +106,37 @@ class Lines(Silent):
         self.next = perf_counter() + self.every
         self.say(str(numbers))
 
+    def stop(self) -> None:
+        self.show(self.meter.read(self.simulation))
+
 
 class Bar(Lines):
-    """One line on a terminal, drawn again a few times a second."""
+    """A bar and a line of numbers on a terminal, drawn again a few times a second."""
 
     every = BAR_EVERY
 
     def start(self, simulation: Any, end: float, volume: float) -> None:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn
+        from rich.live import Live
 
-        columns = [TextColumn("{task.fields[clock]}"), BarColumn(bar_width=24), TextColumn("{task.fields[details]}")]
-        self.bar = Progress(*columns, console=Console(file=self.stream), auto_refresh=False)
-        self.task = self.bar.add_task("run", total=100.0, clock="", details="")
-        self.bar.start()
+        self.live = Live(console=Console(file=self.stream), auto_refresh=False)
+        self.live.start()
         super().start(simulation, end, volume)
 
     def show(self, numbers: Numbers) -> None:
+        from rich.console import Group
+        from rich.progress_bar import ProgressBar
+        from rich.table import Table
+
         self.next = perf_counter() + self.every
-        clock = f"t = {numbers.time:.3f} / {numbers.end:g} s"
-        details = " · ".join(numbers.details())
-        self.bar.update(self.task, completed=numbers.percent, clock=clock, details=details, refresh=True)
+        first = Table.grid(padding=(0, 1))
+        bar = ProgressBar(total=numbers.end, completed=numbers.time, width=30)
+        first.add_row(f"t = {numbers.time:.3f} of {numbers.end:g} s", bar, numbers.share)
+        self.live.update(Group(first, " · ".join(numbers.details)), refresh=True)
 
     def stop(self) -> None:
-        if hasattr(self, "bar"):
-            self.bar.stop()
+        super().stop()
+        self.live.stop()
 
 
 def reporter(progress: bool, stream: TextIO | None = None) -> Silent:
