@@ -1,8 +1,8 @@
-"""One table of every quantity a run writes: name, symbol, unit, place, description. It feeds the writers, the docs and the plots.
+"""One table of every quantity a run writes: name, symbol, unit, place, description. It feeds writers, docs and plots.
 
 Units are SI, written as CF and UDUNITS want them. A quantity per volume of space has one unit in 3D and another in 2D,
-where a run is one metre wide: `Field.unit_in(dimension)` knows. Sums over the run (works, energy by operation) start at 0
-with the run, so that rows of the series can be interpolated and differenced.
+where a run is one metre wide: `Field.unit_in(dimension)` knows. Sums over the run (works, energy by operation) start
+at 0 with the run, so that rows of the series can be interpolated and differenced.
 """
 
 from __future__ import annotations

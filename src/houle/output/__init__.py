@@ -2,29 +2,29 @@
 
 For the runner (all failures of the file system raise OutputError, one message with path and cure):
 
-    out = Outputs(directory, case, grid)         # writes nothing yet; case: .gauge, .sensor, .case.title, .case.name, .hash
-    out.truncate_after(time)                     # resume only: go on with the files there, rows and frames after `time` dropped
-    out.append_series(time, sample)              # sample: dict of Simulation.sample(): eta, pressure, velocity and ledger scalars
-    out.append_frame(frame)                      # a row of surface.nc and a frame of fields.vtkhdf
-    out.commit()                                 # everything appended so far is in the files; call it before each checkpoint
-    out.commit_if_due(seconds=5.0)               # the same, at most once per so many seconds of wall time: call it every step
-    out.close()                                  # commit, and pack fields.vtkhdf into one file
+    out = Outputs(directory, case, grid)   writes nothing yet; case needs .gauge, .sensor, .case.title, .case.name, .hash
+    out.truncate_after(time)               to resume: go on with the files there, what is after `time` is dropped
+    out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
+    out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
+    out.commit()                           everything appended so far is in the files; call it before each checkpoint
+    out.commit_if_due(seconds=5.0)         the same, at most once in so many seconds of wall time; call it every step
+    out.close()                            commit, and pack fields.vtkhdf into one file
 
-    save_checkpoint(directory, step, state, meta) -> Path       # state: dict of arrays and scalars; meta: dict that JSON can hold
-    load_newest(directory) -> Checkpoint | None                 # .path .step .state .meta; skips a damaged file
-    checkpoints(directory) -> list[Path]                        # newest first
+    save_checkpoint(directory, step, state, meta)   state: arrays and scalars by name; meta: what JSON can hold
+    load_newest(directory)                          Checkpoint or None: .path .step .state .meta; skips a damaged file
+    checkpoints(directory)                          their paths, newest first
 
-    collect(case, threads) -> dict                              # the manifest at the start of a run
-    summarise(manifest, finished=, time=, steps=, ...) -> dict  # with the outcome, at the end
-    write_manifest(directory, manifest) -> Path                 # run.json, atomically; read_manifest(directory) -> dict
-    read_series(directory), read_surface(directory) -> xarray.Dataset (in memory; the files are closed)
-    read_fields(directory) -> FieldsReader: .times, .frame(i) -> Frame
+    collect(case, threads)                          the manifest at the start of a run
+    summarise(manifest, finished=, time=, ...)      with the outcome, at the end
+    write_manifest(directory, manifest)             run.json; read_manifest(directory)
 
-Pictures (houle.output.pictures; imports matplotlib, so import it late) and films (houle.output.movie):
+    read_series(directory), read_surface(directory) xarray.Dataset, in memory; the files are closed
+    read_fields(directory)                          FieldsReader: .times, .nearest(time), .frame(i)
 
-    write_pictures(directory, case, grid, series, surface, fields, reference=None, times=None) -> list[Path]     # all that apply
-    surface_picture / pressure_picture / ledger_picture / gauges_picture     # one each, with an output path
-    movie.write_movie(path, case, grid, fields, rate=25)                     # OutputError with a cure when imageio-ffmpeg is missing
+Pictures and films import matplotlib, so import them late:
+
+    houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)    all that the run has data for
+    houle.output.movie.write_movie(path, case, grid, fields, rate=25)
 
 A new writer: copy surface.py, add it to Outputs.
 """
@@ -105,7 +105,7 @@ class Outputs:
             writer.close()
 
     def truncate_after(self, time: float) -> None:
-        """Resume at a checkpoint of this simulated time [s]: later rows and frames are dropped, and written again by the run."""
+        """Resume at a checkpoint of this simulated time [s]: later rows and frames are dropped; the run writes them again."""
         for writer in (self.series, self.surface, self.fields):
             writer.truncate_after(time)
 

@@ -61,7 +61,7 @@ def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
 
     durable: the bytes are on the disk before the rename (against power cuts; a killed process needs no such care).
     """
-    temporary = path.with_name(f".{path.name}.tmp")
+    temporary = path.with_name(f".{path.stem}.tmp{path.suffix}")
     with reported(path):
         try:
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -35,7 +35,7 @@ class Checkpoint:
 
 
 def save_checkpoint(directory: Path, step: int, state: Mapping[str, Any], meta: Mapping[str, Any]) -> Path:
-    """Write the file whole, then remove all but the newest two, and any of a later step (of a run that was cut back)."""
+    """Write the file whole, then remove all but the newest two, and those of later steps (of a run that was cut back)."""
     path = Path(directory) / f"checkpoint-{step}.h5"
     arrays = {name: np.asarray(value) for name, value in state.items()}
     text = json.dumps(dict(meta), sort_keys=True)

@@ -16,6 +16,7 @@ from houle.output import drawing
 from houle.output.drawing import FAINT, LINES, headings, label_ends, sheet
 
 Curves = dict[str, FloatArray]
+LEFT = 0.78  # inches, for numbers and units
 
 
 def ledger_picture(path: Path, case: Any, grid: Grid, series: xr.Dataset) -> Path:
@@ -39,7 +40,7 @@ def ledger_picture(path: Path, case: Any, grid: Grid, series: xr.Dataset) -> Pat
     with drawing.style():
         words = f"the ledger  ·  {float(series.time[-1]):g} s of simulated time"
         title = case.case.title or case.case.name
-        page = sheet(len(panels), 2, (3.3, 1.5), title, words, gap=(1.55, 0.62), margins=(0.7, 0.95, 0.5, 0.95))
+        page = sheet(len(panels), 2, (3.3, 1.5), title, words, gap=(1.65, 0.62), margins=(LEFT, 0.95, 0.5, 0.95))
         for panel, (name, unit, curves) in zip(page.panels, panels, strict=True):
             draw_curves(panel, series.time.values, curves, unit)
             headings(panel, name)
@@ -52,28 +53,33 @@ def gauges_picture(path: Path, case: Any, grid: Grid, series: xr.Dataset) -> Pat
     """The free surface at each gauge, pressure and horizontal Darcy velocity at the sensors."""
     rows: list[tuple[str, str, Curves]] = []
     if "eta" in series:
-        places = _places(series, "gauge")
-        rows += [(f"Level at {name}", "m", {"": series.eta.values[g]}) for g, name in enumerate(places)]
+        for g, name in enumerate(_places(series, "gauge", "{axis} = {value:g} m")):
+            rows.append((f"Level at {name}", "m", {"": series.eta.values[g]}))
     if "pressure" in series:
-        names = _places(series, "sensor")
+        names = _places(series, "sensor", "{value:g}")
         rows.append(("Pressure", "kPa", {name: series.pressure.values[s] / 1e3 for s, name in enumerate(names)}))
         rows.append(
             ("Darcy velocity along x", "m/s", {n: series.velocity.values[s, :, 0] for s, n in enumerate(names)})
         )
     with drawing.style():
         title, words = case.case.title or case.case.name, "gauges and sensors  ·  a gap is a dry gauge"
-        page = sheet(len(rows), 1, (6.4, 1.15), title, words, gap=(0, 0.5), margins=(0.7, 1.55, 0.5, 0.95))
+        right = 1.55 if any(len(curves) > 1 or "" not in curves for _, _, curves in rows) else 0.3  # for the names
+        page = sheet(len(rows), 1, (6.4, 1.15), title, words, gap=(0, 0.5), margins=(LEFT, right, 0.5, 0.95))
         for panel, (name, unit, curves) in zip(page.panels, rows, strict=True):
             draw_curves(panel, series.time.values, curves, unit)
             if unit == "m":
                 _level_limits(panel, curves[""])
-            headings(panel, name)
+            headings(
+                panel,
+                name,
+                "" if unit == "m" else f"sensors at ({', '.join('xz' if grid.dimension == 2 else 'xyz')}) [m]",
+            )
         page.panels[-1].set_xlabel("t [s]")
         return page.save(path)
 
 
 def draw_curves(panel: Axes, time: FloatArray, curves: Curves, unit: str) -> None:
-    """Lines with their names at the right end, the zero line faint, the unit on the axis with a power of ten if need be."""
+    """Lines named at their right ends, the zero line faint, the unit on the axis with a power of ten if need be."""
     scale = _power_of_ten(max((np.nanmax(np.abs(v)) for v in curves.values() if np.isfinite(v).any()), default=0.0))
     panel.axhline(0, color=FAINT, lw=0.8, zorder=0)
     ends = []
@@ -87,6 +93,8 @@ def draw_curves(panel: Axes, time: FloatArray, curves: Curves, unit: str) -> Non
     label_ends(panel, ends)
     factor = f"$10^{{{scale}}}$" if scale else ""
     panel.set_ylabel(f"[{factor} {unit}]".replace("[ ", "[").replace(" ]", "]") if factor or unit else "")
+    width = panel.get_position().width * panel.figure.get_size_inches()[0]
+    panel.yaxis.set_label_coords(0.2 / width - LEFT / width, 0.5)  # in line, however long the numbers are
 
 
 def _power_of_ten(largest: float) -> int:
@@ -110,14 +118,12 @@ def _named(series: xr.Dataset, names: dict[str, str]) -> Curves:
     return {words: series[name].values for words, name in names.items() if name in series}
 
 
-def _places(series: xr.Dataset, kind: str) -> list[str]:
-    """The names of the gauges or sensors, each with its position."""
-    axes = [a for a in "xyz" if f"{kind}_{a}" in series]
-    numbers = np.stack([series[f"{kind}_{a}"].values for a in axes], axis=-1)
-    return [
-        f"{name} ({', '.join(f'{value:g}' for value in point)})"
-        for name, point in zip(series[kind].values, numbers, strict=True)
-    ]
+def _places(series: xr.Dataset, kind: str, form: str) -> list[str]:
+    """The names of the gauges or sensors, each with its position; form: of one coordinate, from axis and value."""
+    axes = [axis for axis in "xyz" if f"{kind}_{axis}" in series]
+    numbers = np.stack([series[f"{kind}_{axis}"].values for axis in axes], axis=-1)
+    places = [", ".join(form.format(axis=a, value=v) for a, v in zip(axes, point, strict=True)) for point in numbers]
+    return [f"{name} ({place})" for name, place in zip(series[kind].values, places, strict=True)]
 
 
 def _level_limits(panel: Axes, eta: FloatArray) -> None:

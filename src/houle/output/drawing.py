@@ -19,6 +19,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from houle.grid import Grid
@@ -84,14 +85,16 @@ class Sheet:
             FigureCanvasAgg(self.figure).print_figure(temporary, format="png", dpi=DPI, metadata=made_by)
         return path
 
-    def legend(self, handles: Sequence[Any]) -> None:
-        """In the lower margin, at the right."""
+    def legend(self, handles: Sequence[Any], above: float = 0.1) -> None:
+        """In the lower margin at the right, so many inches above the edge."""
+        if not handles:
+            return
         width, height = self.figure.get_size_inches()
         edge = max(panel.get_position().x1 for panel in self.panels)
         self.figure.legend(
             handles=handles,
             loc="lower right",
-            bbox_to_anchor=(edge, 0.08 / height),
+            bbox_to_anchor=(edge, above / height),
             ncols=len(handles),
             fontsize=8.5,
             handlelength=1.6,
@@ -138,9 +141,9 @@ def sheet(
         x, y = left + column * (size[0] + gap[0]), height - top - (row + 1) * size[1] - row * gap[1]
         panels.append(figure.add_axes((x / width, y / height, size[0] / width, size[1] / height)))
     room = width - left - right
-    for words, size_, y, look in ((title, 12.0, 0.26, {"fontweight": "bold"}), (subtitle, 8.5, 0.49, {"color": GREY})):
-        points = min(size_, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
-        figure.text(left / width, 1 - y / height, words, fontsize=points, va="center", **look)
+    for words, most, y, colour, weight in ((title, 12.0, 0.26, INK, "bold"), (subtitle, 8.5, 0.49, GREY, "normal")):
+        points = min(most, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
+        figure.text(left / width, 1 - y / height, words, fontsize=points, color=colour, weight=weight, va="center")
     return Sheet(figure, panels, columns)
 
 
@@ -195,16 +198,16 @@ def draw_bodies(
         panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
         if words and body.words:
             x, z = body.outline[:, 0].mean(), body.outline[:, 1].max()
-            panel.annotate(
-                body.words,
-                (x, z),
-                (0, 3),
-                textcoords="offset points",
-                ha="center",
-                va="bottom",
-                fontsize=7.5,
-                color=STONE_LINE,
-            )
+            halo = [withStroke(linewidth=2.0, foreground="white")]
+            look = {
+                "ha": "center",
+                "va": "bottom",
+                "fontsize": 7.5,
+                "color": STONE_LINE,
+                "path_effects": halo,
+                "zorder": 5,
+            }
+            panel.annotate(body.words, (x, z), (0, 3), textcoords="offset points", **look)
     for body in solid:
         panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
 
@@ -218,7 +221,7 @@ def draw_gates(panel: Axes, gates: Sequence[Any], time: float, top: float) -> No
 
 
 def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: float = 8.0) -> None:
-    """(height in data, words, colour) of curves, written beside the right end, pushed apart where they would overlap."""
+    """(height in data, words, colour) of curves: the words beside their right ends, pushed apart where they overlap."""
     panel.get_ylim()  # settles the limits: without it the transforms are those of an empty panel
     to_points = 72.0 / panel.figure.dpi
     (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
@@ -238,7 +241,7 @@ def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: floa
 
 
 def apart(heights: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """Shifts that bring neighbours at least `gap` apart, in their order, crowds staying about their middle and in range."""
+    """Shifts that bring neighbours `gap` apart, in their order; a crowd stays about its middle, and in range."""
 
     def spread(crowd: Sequence[float]) -> NDArray[np.float64]:
         half = 0.5 * gap * (len(crowd) - 1)

@@ -83,7 +83,7 @@ class FieldsWriter:
                 _link(self.path, self.parts / "packed.h5")
         with reported(self.parts):
             stored = sorted(
-                itertools.chain.from_iterable(map(frames_in, self.parts.glob("*.h5"))), key=lambda f: f.time
+                itertools.chain.from_iterable(map(frames_in, self.parts.glob("[!.]*.h5"))), key=lambda f: f.time
             )
         self.frames = [frame for frame in stored if frame.time <= time * (1 + 1e-12)]
         kept = {frame.path for frame in self.frames}
@@ -98,7 +98,7 @@ class FieldsWriter:
 
 @dataclass(frozen=True)
 class FieldsReader:
-    """The frames of a run: times [s], and frame(i) as float64 in the shapes of houle, whichever way the file is built."""
+    """The frames of a run: times [s], and frame(i) as float64 in the shapes of houle, packed or not."""
 
     path: Path
     grid: Grid

@@ -1,6 +1,7 @@
 """series.nc: gauges, sensors and ledger against time, netCDF-4 with CF-1.11 attributes.
 
-A row is a few hundred bytes and a run has some thousands: the writer keeps the rows and writes the whole file at each commit.
+A row is a few hundred bytes and a run has some thousands of them: the writer keeps them all, and writes the whole file
+at each commit.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""surface.nc: level of the free surface over the plan, at each output time: eta(time, x) in 2D, eta(time, y, x) in 3D."""
+"""surface.nc: level of the free surface over the plan at each output time, eta(time, x), in 3D eta(time, y, x)."""
 
 from __future__ import annotations
 
