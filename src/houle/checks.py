@@ -136,10 +136,11 @@ def axes(case: Case) -> str:
 
 def check(case: Case) -> list[Finding]:
     """All findings about a case, errors first."""
-    shapes = list(simple_polygons(case))
-    if shapes:  # nothing else can be said about crossing outlines
+    if shapes := list(simple_polygons(case)):
         return shapes
     section = Section(case)
+    if outside := list(inside_domain(section)):
+        return outside  # nothing more can be said about shapes that are not there
     found = [finding for look in CHECKS for finding in look(section)]
     order = ("error", "warning", "info")
     return sorted(found, key=lambda f: order.index(f.level))
@@ -167,22 +168,20 @@ def simple_polygons(case: Case) -> Iterator[Finding]:
 
 
 def inside_domain(s: Section) -> Iterator[Finding]:
-    """No shape reaches out of the domain; no level lies above it."""
+    """No shape reaches out of the domain; no level lies above it. The worst side of each is told."""
     size, slack = s.case.domain.size, 1e-6 * s.case.domain.spacing
-    names = axes(s.case)
     for body in s.bodies:
-        lower, upper = body.shape.bounds
         kind = next(k for k in ("box", "polygon", "below") if getattr(body.entry, k) is not None)
-        for axis, (low, high) in enumerate(zip(lower, upper, strict=True)):
-            outside = [v for v in (low, high) if np.isfinite(v) and not -slack <= v <= size[axis] + slack]
-            if outside:
-                hint = _metres(max(outside, key=abs), size[axis])
-                yield Finding(
-                    "error",
-                    f"{body.key}.{kind}",
-                    f"reaches {names[axis]} = {max(outside, key=abs):g}, outside the domain 0 <= {names[axis]} <= "
-                    f"{size[axis]:g} m: cut it there, or change domain.size.{hint}",
-                )
+        ends = [(axis, float(v)) for corner in body.shape.bounds for axis, v in enumerate(corner) if np.isfinite(v)]
+        beyond, axis, value = max((max(-v, v - size[a]) / size[a], a, v) for a, v in ends)
+        if beyond * size[axis] > slack:
+            name, hint = axes(s.case)[axis], _metres(value, size[axis])
+            yield Finding(
+                "error",
+                f"{body.key}.{kind}",
+                f"reaches {name} = {value:g}, outside the domain 0 <= {name} <= {size[axis]:g} m: cut it there, or "
+                f"change domain.size.{hint}",
+            )
 
 
 def _metres(value: float, size: float) -> str:
@@ -371,7 +370,6 @@ def reference_is_there(s: Section) -> Iterator[Finding]:
 
 
 CHECKS = (
-    inside_domain,
     water_is_somewhere,
     bodies_agree,
     grid_resolves,
