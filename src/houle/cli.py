@@ -94,12 +94,14 @@ def run(
     threads: Threads = None,
     until: Until = None,
     overrides: Overrides = None,
+    movie: Annotated[bool, typer.Option("--movie", help="Also make an MP4.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing while it works.")] = False,
 ) -> None:
     """Compute a case."""
     import houle
 
-    houle.run(case, out=out, threads=threads, until=until, progress=not quiet, overrides=_changes(overrides))
+    changes = _changes(overrides) | ({"output.movie": True} if movie else {})
+    houle.run(case, out=out, threads=threads, until=until, progress=not quiet, overrides=changes)
 
 
 @app.command()

@@ -124,6 +124,7 @@ WARNINGS = {
     "dynamic viscosity": ({"fluid": {"viscosity": 1e-3}}, "fluid.viscosity"),
     "shallow": ({"water": [{"below": 0.05}]}, "domain.spacing"),
     "unusual porosity": ({"porous": [rock(porosity=0.95)]}, "porous.porous-1.porosity"),
+    "thin film": ({"water": [{"box": [[0.0, 0.0], [0.3, 0.3]]}, {"below": 0.015}]}, "water[1]"),
     "thin wall": ({"solid": [{"box": [[0.5, 0.0], [0.51, 0.2]]}]}, "solid.solid-1"),
     "long interval": ({"output": {"every": 5.0}}, "output.every"),
     "long step": ({"time": {"end": 1.0, "step": 0.5}}, "time.step"),
@@ -201,6 +202,11 @@ def test_the_reference_file_must_be_there(tmp_path):
     assert 'reference.surface = "lab.csv"' in error(load(file))
     (tmp_path / "lab.csv").write_text("t_s,x_m,eta_m\n")
     assert checks.require(load(file)) == []
+
+
+def test_a_spacing_that_the_machine_cannot_hold_is_an_error():
+    message = error(tank(1e-6))  # 3e11 cells of water: must be told before anything is allocated
+    assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "GB" in message
 
 
 def test_expected_velocity_of_a_passport_follows_the_drop():

@@ -171,10 +171,27 @@ def test_how_a_run_ends_is_the_exit_status(here, monkeypatch, end, status, words
 def test_run_passes_everything_on(here, monkeypatch):
     seen = {}
     monkeypatch.setattr(houle, "run", lambda case, **options: seen.update(options, case=case), raising=False)
-    arguments = ("run", "standing-wave", "--out", "o", "--threads", 2, "--until", 0.5, "--set", "time.end=1", "--quiet")
+    arguments = (
+        "run",
+        "standing-wave",
+        "--out",
+        "o",
+        "--threads",
+        2,
+        "--until",
+        0.5,
+        "--set",
+        "time.end=1",
+        "--quiet",
+        "--movie",
+    )
     assert houle_says(*arguments)[0] == 0
     assert seen["case"] == "standing-wave" and str(seen["out"]) == "o" and seen["threads"] == 2
-    assert seen["until"] == 0.5 and seen["overrides"] == {"time.end": 1} and seen["progress"] is False
+    assert (
+        seen["until"] == 0.5
+        and seen["overrides"] == {"time.end": 1, "output.movie": True}
+        and seen["progress"] is False
+    )
 
 
 def test_resume_needs_a_run(here):
