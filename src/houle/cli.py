@@ -158,11 +158,14 @@ def validate(
 
 @app.command()
 @ending
-def bench(threads: Threads = None) -> None:
+def bench(
+    threads: Threads = None,
+    large: Annotated[bool, typer.Option("--large", help="Also with a million particles, 2D and 3D.")] = False,
+) -> None:
     """Measure the throughput on this machine, per operation, beside the memory bandwidth it reaches."""
     from houle.bench import bench as measure
 
-    measure(threads=threads)
+    measure(threads=threads, large=large)
 
 
 def _changes(overrides: list[str] | None) -> dict[str, Any]:

@@ -204,9 +204,10 @@ def test_the_reference_file_must_be_there(tmp_path):
     assert checks.require(load(file)) == []
 
 
-def test_a_spacing_that_the_machine_cannot_hold_is_an_error():
+def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
+    monkeypatch.setattr(checks, "machine_memory", lambda: 8e9)
     message = error(tank(1e-6))  # 3e11 cells of water: must be told before anything is allocated
-    assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "GB" in message
+    assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "8 GB" in message
 
 
 def test_expected_velocity_of_a_passport_follows_the_drop():
