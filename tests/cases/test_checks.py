@@ -1,5 +1,7 @@
 """Pre-flight checks: what does not fit together is found, with both numbers; what fits is left in peace."""
 
+import copy
+
 import pytest
 from matplotlib.image import imread
 
@@ -243,3 +245,58 @@ def test_the_picture_shows_the_section(tmp_path):
     for colour in ((0xA9, 0xD3, 0xEE), (0x77, 0x77, 0x77), (0xC0, 0x39, 0x2B)):  # water, solid, gate
         share = (abs(pixels * 255 - colour).max(axis=1) < 2).mean()
         assert share > 0.001, colour
+
+
+ODD = [
+    None,
+    True,
+    "",
+    "5 mm",
+    -1,
+    0,
+    1e-9,
+    1e9,
+    float("nan"),
+    float("inf"),
+    10**400,
+    [],
+    {},
+    [[]],
+    [{}],
+    [1.0, "a"],
+    {"a": 1},
+]
+
+
+def leaves(table, path=()):
+    """Every place of nested tables and lists, with the containers themselves."""
+    if path:
+        yield path
+    items = table.items() if isinstance(table, dict) else enumerate(table) if isinstance(table, list) else ()
+    for key, value in items:
+        yield from leaves(value, (*path, key))
+
+
+def test_whatever_stands_anywhere_is_a_case_or_a_message():
+    whole = tank(
+        porous=[rock(), rock(box=None, polygon=[[0.7, 0.0], [0.9, 0.0], [0.9, 0.2]], resistance={"a": 1.0, "b": 10.0})],
+        solid=[{"box": [[0.95, 0.0], [1.0, 0.2]]}],
+        gauge=[{"x": 0.5}],
+        sensor=[{"at": [0.1, 0.1]}],
+        gate=[{"x": 0.3, "speed": 1.0}],
+        reference={"surface": "lab.csv"},
+    ).to_dict()
+    good = 0
+    for path in leaves(whole):
+        for odd in ODD:
+            tables = copy.deepcopy(whole)
+            target = tables
+            for key in path[:-1]:
+                target = target[key]
+            target[path[-1]] = odd
+            try:
+                checks.require(load(tables))
+                good += 1
+            except CaseError as error:
+                assert str(error) and "pydantic" not in str(error)
+    assert good > 20
