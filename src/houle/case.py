@@ -112,7 +112,13 @@ class Domain(Table):
 
     size: Annotated[
         tuple[Annotated[float, Field(gt=0, le=1e5)], ...],
-        Field(strict=False, min_length=2, max_length=3, description="length along each axis, the last is up [m]"),
+        Field(
+            strict=False,
+            min_length=2,
+            max_length=3,
+            description="length along each axis, the last is up [m]",
+            examples=[[1.0, 0.5]],
+        ),
     ]
     spacing: float = Field(gt=0, description="grid spacing; particles start at half of it [m]", examples=[0.005])
     walls: Walls = Field(default=Walls(), description='"slip", "no-slip", or a table of sides')
