@@ -87,10 +87,11 @@ class FieldsWriter:
                 itertools.chain.from_iterable(map(frames_in, self.parts.glob("[!.]*.h5"))), key=lambda f: f.time
             )
         self.frames = [frame for frame in stored if frame.time <= time * (1 + 1e-12)]
-        kept = {frame.path for frame in self.frames}
-        for path in {frame.path for frame in stored} - kept:
-            path.unlink()
-        self._dirty = True
+        self._dirty = bool(self.frames)
+        self.commit()  # before the later ones go: the file must not point at what is not there
+        with reported(self.parts):
+            for path in {frame.path for frame in stored} - {frame.path for frame in self.frames}:
+                path.unlink()
 
 
 @dataclass(frozen=True)
