@@ -209,7 +209,7 @@ def test_fields_give_back_the_frames(tmp_path, dimension, frames, packed):
 
 
 def vtk_step(file, step):
-    """A step as the VTKHDF specification has a reader find it: points, vertices and their data, cell data of the image."""
+    """A step as the VTKHDF specification has a reader find it: particles, vertices, cells of the image."""
     points, image = file["VTKHDF/particles"], file["VTKHDF/grid"]
     steps, total = points["Steps"], points["Steps"].attrs["NSteps"]
     count = points["NumberOfPoints"][steps["PartOffsets"][step]]
