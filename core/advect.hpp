@@ -110,10 +110,22 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* poros
   });
 }
 
+// x = from + dt u_d / n with each particle's own velocity, paper (12) and (17). porosity (n,) at the particles, null: 1.
+template <int D>
+inline void drift(const Grid<D>& g, index n, const double* from, const double* u, const double* porosity,
+                  const Obstacles<D>& obstacles, double dt, double* x) {
+  parallel_for(n, [=](index p) {
+    double at[D];
+    for (int a = 0; a < D; ++a) at[a] = from[D * p + a] + dt * u[D * p + a] / (porosity ? porosity[p] : 1.0);
+    keep_inside(g, obstacles, from + D * p, at);
+    for (int a = 0; a < D; ++a) x[D * p + a] = at[a];
+  });
+}
+
 // The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
-// -div grad psi = omega n E (psi: potential of the Darcy displacement). In a single-valued column E is the fill less what
-// a flat surface at the column's level gives, so the excess of a column sums to zero and the correction does not move
-// the surface. Elsewhere E = F - 1, next to air only where positive, since there a deficit is the surface itself.
+// -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a single-valued column the cells that
+// the surface cuts have none: their level is that of the column's volume, and to chase the fill of single surface cells
+// stirs the surface (docs/decisions/0001). Elsewhere, next to air, only an excess counts: a deficit is the surface.
 template <int D>
 inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
                            const double* fill, const double* open, const double* porosity, double omega, double* rhs) {
@@ -125,7 +137,7 @@ inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const d
     double excess = fill[c] - 1.0;
     if (!std::isnan(column[c / g.shape[D - 1]])) {
       const double d = depth[c];
-      excess = fill[c] - (d >= 1.0 ? 1.0 : 1.0 - 0.5 * (1.0 - d) * (1.0 - d));
+      excess = d >= 1.0 ? excess : 0.0;
     } else {
       bool inner = true;
       index neighbours = 1;

@@ -2,6 +2,7 @@
 #include "advect.hpp"
 #include "bind.hpp"
 #include "energy.hpp"
+#include "viscous.hpp"
 
 namespace houle {
 
@@ -43,34 +44,47 @@ template <int D>
 static void bind(nb::module_& m) {
   using G = const Grid<D>&;
   m.def(
+      "column_heights",
+      [](G g, Array<std::int64_t> start, Field x, Field bulk, Field height) {
+        const index n = points_of<D>(x, "position");
+        require_size(bulk.size(), n, "bulk");
+        require_size(start.size(), g.cells() + 1, "start");
+        require_size(height.size(), g.cells() / g.shape[D - 1], "height");
+        nb::gil_scoped_release release;
+        column_heights<D>(g, start.data(), x.data(), bulk.data(), height.data());
+      },
+      "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "Height of the water in each column of cells [m].");
+  m.def(
       "find_surface",
-      [](G g, Field fill, Field open, bool columns, Field depth, Mask active, Field column, Field eta) {
+      [](G g, Field fill, Field open, Field height, bool columns, Field depth, Mask active, Field column, Field eta) {
         require_cells(g, fill.size(), "fill");
         require_cells(g, open.size(), "open");
         require_cells(g, depth.size(), "depth");
         require_cells(g, active.size(), "active");
         require_size(column.size(), g.cells() / g.shape[D - 1], "column");
+        require_size(height.size(), g.cells() / g.shape[D - 1], "height");
         require_size(eta.size(), g.cells() / g.shape[D - 1], "eta");
         nb::gil_scoped_release release;
-        find_surface<D>(g, fill.data(), open.data(), columns, depth.data(), active.data(), column.data(), eta.data());
+        find_surface<D>(g, fill.data(), open.data(), height.data(), columns, depth.data(), active.data(), column.data(), eta.data());
       },
-      "grid"_a, "fill"_a, "open"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
+      "grid"_a, "fill"_a, "open"_a, "height"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "apply_forces",
       [](G g, FaceFields u, FaceFields inertia, FaceFields darcy, FaceFields forchheimer, OptionalField inverse_n2,
          std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star, FaceFields drag,
-         FaceFields mobility) {
+         FaceFields mobility, FaceFields resisted) {
         Resistance<D> r{optional_faces(g, inertia, "inertia"), optional_faces(g, darcy, "darcy"),
                         optional_faces(g, forchheimer, "forchheimer"), pointer(inverse_n2)};
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto ex = optional_faces(g, extra, "extra");
-        const auto s = faces_of(g, star, "star"), d = faces_of(g, drag, "drag"), b = faces_of(g, mobility, "mobility");
+        const auto s = faces_of(g, star, "star"), d = faces_of(g, drag, "drag"), b = faces_of(g, mobility, "mobility"),
+                   re = faces_of(g, resisted, "resisted");
         nb::gil_scoped_release release;
-        apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b);
+        apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b, re);
       },
       "grid"_a, "u"_a, "inertia"_a, "darcy"_a, "forchheimer"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
-      "star"_a, "drag"_a, "mobility"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
+      "star"_a, "drag"_a, "mobility"_a, "resisted"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
   m.def(
       "pressure_system",
       [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, FaceFields star, double least,
@@ -147,6 +161,41 @@ static void bind(nb::module_& m) {
       "grid"_a, "u"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "dt"_a, "position"_a,
       "Moves the particles with the pore velocity, midpoint rule.");
   m.def(
+      "drift",
+      [](G g, Field from, Field u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x) {
+        const index n = points_of<D>(from, "from");
+        require_size(u.size(), n * D, "velocity");
+        require_size(x.size(), n * D, "position");
+        if (porosity) require_size(porosity->size(), n, "porosity");
+        const auto obstacles = obstacles_of<D>(g, distance, gates);
+        nb::gil_scoped_release release;
+        drift<D>(g, n, from.data(), u.data(), pointer(porosity), obstacles, dt, x.data());
+      },
+      "grid"_a, "from_"_a, "u"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "dt"_a, "position"_a,
+      "Moves the particles with their own pore velocities.");
+  m.def(
+      "eddy_viscosity",
+      [](G g, FaceFields u, double molecular, double constant, Field nu) {
+        require_cells(g, nu.size(), "nu");
+        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        nb::gil_scoped_release release;
+        eddy_viscosity<D>(g, uu, molecular, constant, nu.data());
+      },
+      "grid"_a, "u"_a, "molecular"_a, "constant"_a, "nu"_a, "Smagorinsky viscosity of the cells [m2/s].");
+  m.def(
+      "viscous_acceleration",
+      [](G g, FaceFields u, FaceFields mass, double least, Field nu, OptionalField porosity,
+         std::array<bool, 2 * D> no_slip, FaceFields out) {
+        require_cells(g, nu.size(), "nu");
+        if (porosity) require_cells(g, porosity->size(), "porosity");
+        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity")), mm = ConstFaces<D>(faces_of(g, mass, "mass"));
+        const auto oo = faces_of(g, out, "out");
+        nb::gil_scoped_release release;
+        viscous_acceleration<D>(g, uu, mm, least, nu.data(), pointer(porosity), no_slip.data(), oo);
+      },
+      "grid"_a, "u"_a, "mass"_a, "least"_a, "nu"_a, "porosity"_a.none(), "no_slip"_a, "out"_a,
+      "Viscous acceleration of the faces [m/s2].");
+  m.def(
       "density_excess",
       [](G g, Mask active, Field depth, Field column, Field fill, Field open, OptionalField porosity, double omega,
          Field rhs) {
@@ -198,6 +247,27 @@ static void bind_sums(nb::module_& m) {
         return face_kinetic_energy(static_cast<index>(mass.size()), mass.data(), pointer(inertia), u.data());
       },
       "mass"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the faces of one axis per unit density.");
+  m.def(
+      "face_drag_work",
+      [](Field mass, Field inertia, Field resisted, Field before, Field after) {
+        const index n = static_cast<index>(mass.size());
+        for (const Field* f : {&inertia, &resisted, &before, &after}) require_size(f->size(), n, "face field");
+        nb::gil_scoped_release release;
+        return face_drag_work(n, mass.data(), inertia.data(), resisted.data(), before.data(), after.data());
+      },
+      "mass"_a, "inertia"_a, "resisted"_a, "before"_a, "after"_a, "Energy the drag took in a step, per unit density.");
+  m.def(
+      "max_speed",
+      [](Field u, OptionalField porosity) {
+        if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
+        const index n = static_cast<index>(u.shape(0)), d = static_cast<index>(u.shape(1));
+        if (porosity) require_size(porosity->size(), n, "porosity");
+        std::vector<double> speed(d);
+        nb::gil_scoped_release release;
+        for (index a = 0; a < d; ++a) speed[a] = max_component(n, u.data() + a, pointer(porosity), d);
+        return speed;
+      },
+      "u"_a, "porosity"_a.none(), "Largest pore speed along each axis [m/s].");
   m.def(
       "weighted_sum",
       [](Field weight, Field value, index column) {

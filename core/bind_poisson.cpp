@@ -27,7 +27,7 @@ static void bind_solver(nb::module_& m, const char* name) {
             return std::pair(r.iterations, r.residual);
           },
           "rhs"_a, "p"_a, "tolerance"_a, "max_iterations"_a)
-      .def_rw("half_sweeps", &Solver::half_sweeps)
+      .def_prop_ro("buffers", &Solver::buffers, "Addresses and sizes of the work arrays: they never change.")
       .def_prop_ro("closed_components", &Solver::closed_components);
 }
 

@@ -45,16 +45,18 @@ inline double phi1(double y) { return y < 1e-8 ? 1.0 - 0.5 * y : -std::expm1(-y)
 // quadratic drag, with the exact steady state for any dt:  u1 = u0 + Phi dt c (f - grad p - R u0),  c = 1/<C_r/n>,
 // Phi = phi1(dt c J),  J = a + b (|u| + u_a^2/|u|) + 2 max(sigma, 0).
 // Out, per face: star = u0 + Phi dt c (f - R u0); drag = 1 - Phi dt c R, so star = drag u0 + Phi dt c f;
-// mobility = Phi dt c [s], the factor of grad p in the projection (15), (16).
+// mobility = Phi dt c [s], the factor of grad p in the projection (15), (16);
+// resisted = Phi dt c (a + b |u|), the share of u0 that the drag takes, for the ledger (not written in clear water).
 // extra: further acceleration on the faces [m/s2] (waves, viscosity), null if none; gravity (D,).
 template <int D>
 inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium, const double* gravity,
-                         ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility) {
+                         ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility,
+                         Faces<D> resisted) {
   const auto cell_stride = Grid<D>::strides(g.shape);
   for (int a = 0; a < D; ++a) {
     const double force = gravity[a];
     const double *ua = u[a], *ex = extra[a];
-    double *us = star[a], *dr = drag[a], *mo = mobility[a];
+    double *us = star[a], *dr = drag[a], *mo = mobility[a], *re = resisted[a];
     if (!medium.inverse_n2) {
       parallel_for(g.faces(a), [=](index f) {
         us[f] = ua[f] + dt * (force + (ex ? ex[f] : 0.0));
@@ -110,6 +112,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
       const double step = phi1(dt * c * J) * dt * c;
       dr[f] = 1.0 - step * R;
       mo[f] = step;
+      re[f] = step * (A[f] + B[f] * speed);
       us[f] = ua[f] * dr[f] + step * (force + (ex ? ex[f] : 0.0));
     });
   }

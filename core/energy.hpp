@@ -21,6 +21,18 @@ inline double face_kinetic_energy(index n, const double* mass, const double* ine
   return parallel_sum(n, [=](index f) { return 0.5 * mass[f] * (inertia ? inertia[f] : 1.0) * u[f] * u[f]; });
 }
 
+// sum_f m_f J_f r_f u0_f (u0_f + u1_f)/2: what the drag has taken in a step, r the share of u0 it takes
+inline double face_drag_work(index n, const double* mass, const double* inertia, const double* resisted,
+                             const double* before, const double* after) {
+  return parallel_sum(
+      n, [=](index f) { return 0.5 * mass[f] * inertia[f] * resisted[f] * before[f] * (before[f] + after[f]); });
+}
+
+// max_p |u_a| / n along one axis; NaN if any is. porosity (n,) null: 1.
+inline double max_component(index n, const double* u, const double* porosity, index stride) {
+  return parallel_max(n, [=](index p) { return std::abs(u[p * stride]) / (porosity ? porosity[p] : 1.0); });
+}
+
 // sum_p weight_p value_p, value one column of an (n, D) array
 inline double weighted_sum(index n, const double* weight, const double* value, index stride) {
   return parallel_sum(n, [=](index p) { return weight[p] * value[p * stride]; });

@@ -4,7 +4,8 @@
 // * A level coarsens 2 x 2 (x 2) cells into one. Coarse face coefficients are the sums of the fine ones times 1/2 (the
 //   centres lie twice as far apart), so every level keeps the 2 D-neighbour stencil; transfers are piecewise constant.
 // * The smoother is red-black Gauss-Seidel, in the reverse order after the coarse correction: the cycle is symmetric.
-// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry m of
+// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry m
+// of
 //   one of two arrays. All neighbours of a colour are then contiguous entries of the other, and half sweeps vectorise.
 // * Cells of one colour that were just relaxed have no residual, and the first half sweep after a correction overwrites
 //   that colour: so only red residuals are restricted and only red cells receive the correction.
@@ -19,7 +20,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "grid.hpp"
@@ -40,14 +43,14 @@ namespace houle::multigrid {
 constexpr int width = 8;  // ranges are whole multiples of this many entries: no loop needs a remainder
 
 struct Pencil {
-  index at;            // entry m = 0 in every array of the level
-  index child;         // the same of its first pencil on the finer level
+  index at;                 // entry m = 0 in every array of the level
+  index child;              // the same of its first pencil on the finer level
   std::int32_t begin, end;  // its active cells are among the entries [begin, end) ...
   std::int32_t lo, hi;      // ... and these are inside [lo, hi), whole vectors
   std::int32_t parity;      // cell j = 2 m + s is of colour (parity + s) % 2
 };
 
-struct Seam {  // a pencil at one end of a periodic axis and the ghost pencil beyond the other end
+struct Seam {         // a pencil at one end of a periodic axis and the ghost pencil beyond the other end
   index from, to;     // first entries
   std::int32_t swap;  // an odd number of cells: equal colours meet
   std::int32_t axis;
@@ -74,14 +77,14 @@ template <int D>
 struct Layout {
   std::array<index, D> n{};
   std::array<bool, D> wrap{};
-  index half = 0;                 // entries per pencil and colour
-  index shift = 0;                // entries before m = 0: the ghost of a periodic last axis
-  std::array<index, D> step{};    // entries between neighbouring pencils along each axis but the last
-  index size = 0;                 // entries per colour, ghost pencils included
-  index pencils = 0;              // pencils inside the grid
-  std::vector<std::int32_t> first, last;  // active cells of every pencil inside: j in [first, last)
+  index half = 0;                            // entries per pencil and colour
+  index shift = 0;                           // entries before m = 0: the ghost of a periodic last axis
+  std::array<index, D> step{};               // entries between neighbouring pencils along each axis but the last
+  index size = 0;                            // entries per colour, ghost pencils included
+  index pencils = 0;                         // pencils inside the grid
+  std::vector<std::int32_t> first, last;     // active cells of every pencil inside: j in [first, last)
   std::vector<std::int32_t> old_lo, old_hi;  // entries in use after the last setup
-  std::vector<Pencil> rows;       // the pencils with active cells
+  std::vector<Pencil> rows;                  // the pencils with active cells
   std::vector<Seam> seams;
   index grain = 1;
   bool odd = false;  // an odd periodic axis: there cells of one colour meet, and relaxing one leaves residuals in it
@@ -143,6 +146,20 @@ struct Layout {
     return r;
   }
 
+  // Sets to zero the entries in use before or now, all or only those outside [begin, end).
+  template <class Real>
+  void clear(const Field<Real>& f, const Pencil& now, index p, bool outside) const {
+    const index lo = std::min<index>(now.lo, old_lo[p]), hi = std::max<index>(now.hi, old_hi[p]);
+    for (int c = 0; c < 2; ++c) {
+      Real* row = f.c[c] + now.at;
+      const index s = (now.parity + c) & 1;  // the last entry of the odd cells may lie above the grid
+      const index begin = outside ? std::clamp<index>(now.begin, lo, hi) : hi;
+      const index end = outside ? std::clamp<index>(std::min<index>(now.end, (n[D - 1] + 1 - s) / 2), lo, hi) : hi;
+      std::fill(row + lo, row + begin, Real(0));
+      std::fill(row + end, row + hi, Real(0));
+    }
+  }
+
   // Lists the non-empty pencils and the periodic seams, once first and last are known.
   void list(const Layout* finer) {
     rows.clear();
@@ -166,11 +183,28 @@ inline void for_rows(const Layout<D>& l, Body body) {
   parallel_for(static_cast<index>(l.rows.size()), [=](index i) { body(rows[i]); }, l.grain);
 }
 
+// Calls body(s, i, n) for the entries [i, i + n) of one colour in one pencil; s is 0 or 1: they are the cells j = 2 m +
+// s.
+template <class Body>
+inline void with_entries(const Pencil& row, int colour, Body& body) {
+  const index n = static_cast<index>(row.hi - row.lo) & ~static_cast<index>(width - 1);  // a multiple of width: no tail
+  if ((row.parity + colour) & 1)
+    body(std::integral_constant<index, 1>{}, row.at + row.lo, n);
+  else
+    body(std::integral_constant<index, 0>{}, row.at + row.lo, n);
+}
+
+template <int D, class Body>
+inline void sweep(const Layout<D>& l, int colour, Body body) {
+  for_rows(l, [=](const Pencil& row) { with_entries(row, colour, body); });
+}
+
 // Copies what lies beyond the periodic ends (of one axis, or of all) into the ghost entries of one colour.
 template <int D, class Real>
 inline void exchange(const Layout<D>& l, const Field<Real>& x, int colour, int axis = -1) {
   for (const Seam& s : l.seams)
-    if (axis < 0 || s.axis == axis) std::memcpy(x.c[colour] + s.to, x.c[colour ^ s.swap] + s.from, l.half * sizeof(Real));
+    if (axis < 0 || s.axis == axis)
+      std::memcpy(x.c[colour] + s.to, x.c[colour ^ s.swap] + s.from, l.half * sizeof(Real));
   if (!l.shift || (axis >= 0 && axis != D - 1)) return;
   const index n = l.n[D - 1];
   for (const Pencil& r : l.rows) {
@@ -181,28 +215,24 @@ inline void exchange(const Layout<D>& l, const Field<Real>& x, int colour, int a
   }
 }
 
-// The neighbours of the cells of one colour in one pencil.
+// What couples the cells of one colour to their neighbours: star(s, i) = sum of k_f p_nb over the faces of entry i.
 template <int D, class Real>
 struct Star {
-  std::array<const Real*, D> k_lo, k_hi, x_lo, x_hi;
+  std::array<const Real*, D> own, other;  // coefficients of the lower faces of this and of the other colour
+  const Real* x;                          // the other colour
+  std::array<index, D> step;
 
-  Star(const Layout<D>& l, const std::array<Field<Real>, D>& k, const Field<Real>& x, const Pencil& r, int colour) {
-    const int other = 1 - colour;
-    const index s = (r.parity + colour) & 1;
-    for (int a = 0; a < D - 1; ++a) {
-      k_lo[a] = k[a].c[colour] + r.at;
-      k_hi[a] = k[a].c[other] + r.at + l.step[a];
-      x_lo[a] = x.c[other] + r.at - l.step[a];
-      x_hi[a] = x.c[other] + r.at + l.step[a];
+  Star(const Layout<D>& l, const std::array<Field<Real>, D>& k, const Field<Real>& f, int colour)
+      : x(f.c[1 - colour]), step(l.step) {
+    for (int a = 0; a < D; ++a) {
+      own[a] = k[a].c[colour];
+      other[a] = k[a].c[1 - colour];
     }
-    k_lo[D - 1] = k[D - 1].c[colour] + r.at;
-    k_hi[D - 1] = k[D - 1].c[other] + r.at + s;
-    x_lo[D - 1] = x.c[other] + r.at + s - 1;
-    x_hi[D - 1] = x.c[other] + r.at + s;
   }
-  Real operator()(index m) const {  // sum of k_f p_nb
-    Real sum = k_lo[0][m] * x_lo[0][m] + k_hi[0][m] * x_hi[0][m];
-    for (int a = 1; a < D; ++a) sum += k_lo[a][m] * x_lo[a][m] + k_hi[a][m] * x_hi[a][m];
+  template <class S>
+  Real operator()(S s, index i) const {
+    Real sum = own[D - 1][i] * x[i + s - 1] + other[D - 1][i + s] * x[i + s];
+    for (int a = 0; a < D - 1; ++a) sum += own[a][i] * x[i - step[a]] + other[a][i + step[a]] * x[i + step[a]];
     return sum;
   }
 };
@@ -219,12 +249,11 @@ struct Level {
     for (auto* f : {&e, &d, &inverse, &x, &b, &r}) f->allocate(layout.size);
   }
 
-  void clear(const Pencil& now, index p) {  // empties the entries in use before and now
-    const index lo = std::min<index>(now.lo, layout.old_lo[p]), hi = std::max<index>(now.hi, layout.old_hi[p]);
-    for (int c = 0; c < 2; ++c) {
-      for (auto& f : k) std::fill(f.c[c] + now.at + lo, f.c[c] + now.at + hi, Real(0));
-      for (auto* f : {&e, &d, &inverse, &x, &b, &r}) std::fill(f->c[c] + now.at + lo, f->c[c] + now.at + hi, Real(0));
-    }
+  // Empties what was in use and will not be overwritten: everything outside the active entries, and k and e inside.
+  void clear(const Pencil& now, index p) {
+    for (auto& f : k) layout.clear(f, now, p, false);
+    layout.clear(e, now, p, false);
+    for (auto* f : {&d, &inverse, &x, &b, &r}) layout.clear(*f, now, p, true);
     layout.old_lo[p] = now.lo;
     layout.old_hi[p] = now.hi;
   }
@@ -242,42 +271,34 @@ struct Level {
   }
 
   void relax_zero(int colour) {  // the half sweep that starts from x = 0
-    auto* self = this;
-    for_rows(layout, [=](const Pencil& row) {
-      const Real* inverse = self->inverse.c[colour] + row.at;
-      const Real* b = self->b.c[colour] + row.at;
-      Real* x = self->x.c[colour] + row.at;
+    const Real *inverse = this->inverse.c[colour], *b = this->b.c[colour];
+    Real *x = this->x.c[colour], *rest = layout.odd ? this->x.c[1 - colour] : nullptr;
+    sweep(layout, colour, [=](auto, index first, index n) {
       HOULE_INDEPENDENT
-      for (index m = row.lo; m < row.hi; ++m) x[m] = inverse[m] * b[m];
-      if (self->layout.odd)
-        std::fill(self->x.c[1 - colour] + row.at + row.lo, self->x.c[1 - colour] + row.at + row.hi, Real(0));
+      for (index i = first; i < first + n; ++i) x[i] = inverse[i] * b[i];
+      if (rest) std::fill(rest + first, rest + first + n, Real(0));
     });
   }
 
   void relax(int colour) {
     exchange(layout, x, 1 - colour);
-    auto* self = this;
-    for_rows(layout, [=](const Pencil& row) {
-      const Star<D, Real> star(self->layout, self->k, self->x, row, colour);
-      const Real* inverse = self->inverse.c[colour] + row.at;
-      const Real* b = self->b.c[colour] + row.at;
-      Real* x = self->x.c[colour] + row.at;
+    const Star<D, Real> star(layout, k, x, colour);
+    const Real *inverse = this->inverse.c[colour], *b = this->b.c[colour];
+    Real* x = this->x.c[colour];
+    sweep(layout, colour, [=](auto s, index first, index n) {
       HOULE_INDEPENDENT
-      for (index m = row.lo; m < row.hi; ++m) x[m] = inverse[m] * (b[m] + star(m));
+      for (index i = first; i < first + n; ++i) x[i] = inverse[i] * (b[i] + star(s, i));
     });
   }
 
   void residual(int colour) {
     exchange(layout, x, 1 - colour);
-    auto* self = this;
-    for_rows(layout, [=](const Pencil& row) {
-      const Star<D, Real> star(self->layout, self->k, self->x, row, colour);
-      const Real* d = self->d.c[colour] + row.at;
-      const Real* b = self->b.c[colour] + row.at;
-      const Real* x = self->x.c[colour] + row.at;
-      Real* r = self->r.c[colour] + row.at;
+    const Star<D, Real> star(layout, k, x, colour);
+    const Real *d = this->d.c[colour], *b = this->b.c[colour], *x = this->x.c[colour];
+    Real* r = this->r.c[colour];
+    sweep(layout, colour, [=](auto s, index first, index n) {
       HOULE_INDEPENDENT
-      for (index m = row.lo; m < row.hi; ++m) r[m] = d[m] > 0 ? b[m] + star(m) - d[m] * x[m] : 0;
+      for (index i = first; i < first + n; ++i) r[i] = d[i] > 0 ? b[i] + star(s, i) - d[i] * x[i] : 0;
     });
   }
 };
@@ -291,6 +312,16 @@ inline std::array<index, (1 << (D - 1))> children(const Layout<D>& fine, const P
     for (int a = 0; a < D - 1; ++a) at[i] += (i >> a & 1) * fine.step[a];
   }
   return at;
+}
+
+// A face between coarse cells stands for the fine face k in series with half a fine cell on either side, if there is
+// one: its coefficient is `below` or `above`. Never less than k / 2: weak faces inside must not uncouple strong ones.
+template <class Real>
+inline Real coupled(Real k, Real below, Real above) {
+  const Real least = std::max(k, std::numeric_limits<Real>::min());
+  const Real b = below > 0 ? least / std::max(least, below) : Real(0);
+  const Real a = above > 0 ? least / std::max(least, above) : Real(0);
+  return k / (1 + Real(0.5) * (a + b));
 }
 
 // Coarse coefficients from fine ones.
@@ -326,24 +357,29 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
       const int colour = (row.parity + s) & 1;
       for (int i = 0; i < pencils; ++i) {
         const int even = D == 2 ? i & 1 : (i ^ (i >> 1)) & 1;  // colour of its cells with even j
-        for (int a = 0; a < D; ++a) {
-          if (a < D - 1 && (i >> a & 1)) continue;
+        const index at = child[i] + s;
+        for (int a = 0; a < D - 1; ++a) {
+          if (i >> a & 1) continue;
           Real* k = c->k[a].c[colour] + row.at;
-          const Real* k0 = f->k[a].c[even] + child[i] + s;
-          const Real* k1 = f->k[a].c[1 - even] + child[i] + s;
-          if (a < D - 1) {
+          for (int t = 0; t < 2; ++t) {
+            const Real* link = f->k[a].c[t] + at;
+            const Real* above = f->k[a].c[1 - t] + at + f->layout.step[a];
+            const Real* below = f->k[a].c[1 - t] + at - f->layout.step[a];
             HOULE_INDEPENDENT
-            for (index m = row.begin; m < row.end; ++m) k[m] += Real(0.5) * (k0[2 * m] + k1[2 * m]);
-          } else {
-            HOULE_INDEPENDENT
-            for (index m = row.begin; m < row.end; ++m) k[m] += Real(0.5) * k0[2 * m];
+            for (index m = row.begin; m < row.end; ++m) k[m] += coupled(link[2 * m], below[2 * m], above[2 * m]);
           }
         }
+        Real* k = c->k[D - 1].c[colour] + row.at;
         Real* e = c->e.c[colour] + row.at;
-        const Real* e0 = f->e.c[even] + child[i] + s;
-        const Real* e1 = f->e.c[1 - even] + child[i] + s;
+        const Real* link = f->k[D - 1].c[even] + at;
+        const Real* inner = f->k[D - 1].c[1 - even] + at;
+        const Real* e0 = f->e.c[even] + at;
+        const Real* e1 = f->e.c[1 - even] + at;
         HOULE_INDEPENDENT
-        for (index m = row.begin; m < row.end; ++m) e[m] += Real(0.5) * (e0[2 * m] + e1[2 * m]);
+        for (index m = row.begin; m < row.end; ++m) {
+          k[m] += coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
+          e[m] += coupled(e0[2 * m], Real(0), inner[2 * m]) + coupled(e1[2 * m], Real(0), inner[2 * m]);
+        }
       }
     }
     for (int a = 0; a < D; ++a) {  // one cell around a periodic axis: no neighbour but itself
@@ -442,7 +478,7 @@ class PressureSolver {
     }
     const auto& l = fine();
     for (auto& f : k_) f.allocate(l.size);
-    for (auto* f : {&d_, &x_, &b_, &r_, &p_, &q_}) f->allocate(l.size);
+    for (auto* f : {&d_, &inverse_, &x_, &b_, &r_, &p_, &q_}) f->allocate(l.size);
     part_.assign(l.pencils, 0);
     mask_row_ = grid.shape[D - 1] + 2;
     index rows = 1;
@@ -467,7 +503,20 @@ class PressureSolver {
 
   const Grid<D>& grid() const { return grid_; }
   int closed_components() const { return closed_; }
-  int half_sweeps = 4;
+
+  // Addresses and capacities of all that could grow: the same after every set-up and solve.
+  std::vector<std::uintptr_t> buffers() const {
+    std::vector<std::uintptr_t> all;
+    auto note = [&](const auto& v) {
+      all.push_back(reinterpret_cast<std::uintptr_t>(v.data()));
+      all.push_back(v.capacity());
+    };
+    for (const auto& level : levels_) note(level.layout.rows);
+    note(runs_);
+    note(sums_);
+    note(part_);
+    return all;
+  }
 
   // p: in the first guess, out the solution. Stops when the max-norm of the residual is at most `tolerance`.
   SolveResult solve(const double* rhs, double* p, double tolerance, int max_iterations) {
@@ -501,6 +550,7 @@ class PressureSolver {
     remove_means(x_);
     norm = true_residual();
     store(p);
+    if (!std::isfinite(norm)) forget();
     return {norm <= tolerance ? iterations : -1, norm};
   }
 
@@ -517,7 +567,7 @@ class PressureSolver {
   Grid<D> grid_;
   std::vector<multigrid::Level<D, Real>> levels_;
   std::array<Doubles, D> k_;
-  Doubles d_, x_, b_, r_, p_, q_;
+  Doubles d_, inverse_, x_, b_, r_, p_, q_;
   std::vector<double> part_;  // one partial sum per pencil
   std::vector<std::uint8_t> mask_;
   index mask_row_ = 0;
@@ -556,8 +606,7 @@ class PressureSolver {
           while (last > first && !from[last - 1]) --last;
           l.first[p] = static_cast<std::int32_t>(first);
           l.last[p] = static_cast<std::int32_t>(last);
-          HOULE_INDEPENDENT
-          for (index j = 0; j < n; ++j) to[j] = from[j] != 0;
+          std::memcpy(to, from, n);
           if (l.wrap[D - 1]) {
             to[-1] = to[n - 1];
             to[n] = to[0];
@@ -590,11 +639,8 @@ class PressureSolver {
   void clear_fine(index p) {
     auto& l = fine();
     const Pencil now = l.pencil(p);
-    const index lo = std::min<index>(now.lo, l.old_lo[p]), hi = std::max<index>(now.hi, l.old_hi[p]);
-    for (int c = 0; c < 2; ++c) {
-      for (auto& f : k_) std::fill(f.c[c] + now.at + lo, f.c[c] + now.at + hi, 0.0);
-      for (auto* f : {&d_, &x_, &b_, &r_, &p_, &q_}) std::fill(f->c[c] + now.at + lo, f->c[c] + now.at + hi, 0.0);
-    }
+    for (auto& f : k_) l.clear(f, now, p, true);
+    for (auto* f : {&d_, &inverse_, &x_, &b_, &r_, &p_, &q_}) l.clear(*f, now, p, true);
     levels_[0].clear(now, p);
   }
 
@@ -623,12 +669,14 @@ class PressureSolver {
     for (index s = 0; s < 2; ++s) {
       const int c = (row.parity + static_cast<int>(s)) & 1;
       const index end = std::min<index>(row.end, (n - s + 1) / 2);
-      double* d = d_.c[c] + row.at;
+      double *d = d_.c[c] + row.at, *inverse = inverse_.c[c] + row.at;
       Real* df = level.d.c[c] + row.at;
       Real* ef = level.e.c[c] + row.at;
       HOULE_INDEPENDENT
       for (index m = row.begin; m < end; ++m) {
-        d[m] = mask[2 * m + s] ? extra[2 * m + s] : 0.0;
+        const double value = extra[2 * m + s];
+        const bool in = mask[2 * m + s] != 0;
+        d[m] = in ? value : 0.0;
         ef[m] = static_cast<Real>(d[m]);
       }
       for (int a = 0; a < D; ++a) {
@@ -639,15 +687,20 @@ class PressureSolver {
         HOULE_INDEPENDENT
         for (index m = row.begin; m < end; ++m) {
           const index j = 2 * m + s;
-          const double v = (mask[j] & below[j]) ? lower[j] : 0.0;
-          const double w = (mask[j] & above[j]) ? upper[j] : 0.0;
+          const double lo = lower[j], up = upper[j];
+          const bool in = mask[j] != 0, linked_lo = below[j] != 0, linked_up = above[j] != 0;
+          const double v = in & linked_lo ? lo : 0.0;
+          const double w = in & linked_up ? up : 0.0;
           kd[m] = v;
           kf[m] = static_cast<Real>(v);
           d[m] += v + w;
         }
       }
       HOULE_INDEPENDENT
-      for (index m = row.begin; m < end; ++m) df[m] = static_cast<Real>(d[m]);
+      for (index m = row.begin; m < end; ++m) {
+        df[m] = static_cast<Real>(d[m]);
+        inverse[m] = d[m] > 0 ? 1 / d[m] : 0.0;
+      }
     }
   }
 
@@ -693,8 +746,10 @@ class PressureSolver {
     closed_ = 0;
     for (int r = 0; r < static_cast<int>(runs_.size()); ++r) {  // roots come first
       Run& run = runs_[r];
-      if (run.parent == r) run.parent = run.open ? -1 : ~(++closed_);
-      else run.parent = runs_[run.parent].parent;
+      if (run.parent == r)
+        run.parent = run.open ? -1 : ~(++closed_);
+      else
+        run.parent = runs_[run.parent].parent;
     }
     if (closed_ == 0) return;
     for (auto& run : runs_) run.parent = run.parent == -1 ? -1 : ~run.parent - 1;
@@ -725,8 +780,10 @@ class PressureSolver {
             join(static_cast<int>(x), static_cast<int>(y));
             break;
           }
-        if (runs_[x].last < runs_[y].last) ++x;
-        else ++y;
+        if (runs_[x].last < runs_[y].last)
+          ++x;
+        else
+          ++y;
       }
     }
   }
@@ -749,6 +806,12 @@ class PressureSolver {
 
   // ---- conjugate gradients
 
+  void forget() {  // zeroes all vectors, so that no NaN survives in entries that are never read but multiplied by zero
+    for (auto* f : {&x_, &b_, &r_, &p_, &q_}) std::fill(f->store.begin(), f->store.end(), 0.0);
+    for (auto& level : levels_)
+      for (auto* f : {&level.x, &level.b, &level.r}) std::fill(f->store.begin(), f->store.end(), Real(0));
+  }
+
   void load(const double* from, const Doubles& to) {
     auto* self = this;
     auto* field = &to;
@@ -766,7 +829,10 @@ class PressureSolver {
             double* x = field->c[c] + row.at;
             const double* source = from + p * n + s;
             HOULE_INDEPENDENT
-            for (index m = row.begin; m < end; ++m) x[m] = d[m] > 0 ? source[2 * m] : 0.0;
+            for (index m = row.begin; m < end; ++m) {
+              const double value = source[2 * m];
+              x[m] = d[m] > 0 ? value : 0.0;
+            }
           }
         },
         fine().grain);
@@ -794,154 +860,173 @@ class PressureSolver {
         fine().grain);
   }
 
-  template <class Body>
-  void partials(Body body) {  // part_[i] = body(pencil i)
+  template <class Other>
+  static void add_products(const double* a, const Other* b, index n, double* lanes) {
+    for (index i = 0; i < n; i += multigrid::width)
+      for (int v = 0; v < multigrid::width; ++v) lanes[v] += a[i + v] * static_cast<double>(b[i + v]);
+  }
+  static double larger(double a, double b) { return (a >= b) | (a != a) ? a : b; }  // NaN wins
+  static void max_size(const double* a, index n, double* lanes) {
+    for (index i = 0; i < n; i += multigrid::width)
+      for (int v = 0; v < multigrid::width; ++v) {
+        const double size = std::abs(a[i + v]);
+        lanes[v] = larger(lanes[v], size);
+      }
+  }
+
+  // Sums or maxima over the colours in use: body(colour, s, first, n, lanes) adds n entries to eight partial results of
+  // its pencil; all are combined in a fixed order.
+  template <class Body, class Combine>
+  double reduce(Body body, Combine combine) {
     double* part = part_.data();
     const Pencil* rows = fine().rows.data();
-    parallel_for(static_cast<index>(fine().rows.size()), [=](index i) { part[i] = body(rows[i]); }, fine().grain);
+    const auto n = static_cast<index>(fine().rows.size());
+    const int colours = this->colours();
+    parallel_for(
+        n,
+        [=](index p) {
+          double lanes[multigrid::width] = {};
+          for (int c = 0; c < colours; ++c) {
+            auto entries = [&](auto s, index first, index n) { body(c, s, first, n, lanes); };
+            multigrid::with_entries(rows[p], c, entries);
+          }
+          for (int half = multigrid::width / 2; half > 0; half /= 2)
+            for (int v = 0; v < half; ++v) lanes[v] = combine(lanes[v], lanes[v + half]);
+          part[p] = lanes[0];
+        },
+        fine().grain);
+    double result = 0;
+    for (index p = 0; p < n; ++p) result = combine(result, part[p]);
+    return result;
   }
   template <class Body>
   double sum(Body body) {
-    partials(body);
-    double s = 0;
-    for (std::size_t i = 0; i < fine().rows.size(); ++i) s += part_[i];
-    return s;
+    return reduce(body, [](double a, double b) { return a + b; });
   }
   template <class Body>
   double largest(Body body) {
-    partials(body);
-    double s = 0;
-    for (std::size_t i = 0; i < fine().rows.size(); ++i) s = (part_[i] > s || std::isnan(part_[i])) ? part_[i] : s;
-    return s;
+    return reduce(body, larger);
+  }
+
+  // On an even grid the black cells only see red ones: their residual is kept at zero and CG iterates on the red ones.
+  int colours() const { return levels_[0].layout.odd ? 2 : 1; }
+
+  using Star = multigrid::Star<D, double>;
+
+  void extend(const Doubles& f, const double* rhs) {  // the black values that leave no black residual
+    if (colours() == 2) return;
+    multigrid::exchange(fine(), f, 0);
+    const Star star(fine(), k_, f, 1);
+    const double* inverse = inverse_.c[1];
+    double* x = f.c[1];
+    if (rhs)
+      multigrid::sweep(fine(), 1, [=](auto s, index first, index n) {
+        HOULE_INDEPENDENT
+        for (index i = first; i < first + n; ++i) x[i] = inverse[i] * (rhs[i] + star(s, i));
+      });
+    else
+      multigrid::sweep(fine(), 1, [=](auto s, index first, index n) {
+        HOULE_INDEPENDENT
+        for (index i = first; i < first + n; ++i) x[i] = inverse[i] * star(s, i);
+      });
   }
 
   double true_residual() {  // r = b - A x; returns its max-norm
-    auto* self = this;
+    extend(x_, b_.c[1]);
     for (int c = 0; c < 2; ++c) multigrid::exchange(fine(), x_, c);
-    return largest([=](const Pencil& row) {
-      double most[multigrid::width] = {};
-      for (int c = 0; c < 2; ++c) {
-        const multigrid::Star<D, double> star(self->fine(), self->k_, self->x_, row, c);
-        const double* d = self->d_.c[c] + row.at;
-        const double* b = self->b_.c[c] + row.at;
-        const double* x = self->x_.c[c] + row.at;
-        double* r = self->r_.c[c] + row.at;
-        HOULE_INDEPENDENT
-        for (index m = row.lo; m < row.hi; ++m) r[m] = d[m] > 0 ? b[m] + star(m) - d[m] * x[m] : 0.0;
-        for (index m = row.lo; m < row.hi; m += multigrid::width)
-          for (int v = 0; v < multigrid::width; ++v) {
-            const double size = std::abs(r[m + v]);
-            most[v] = size <= most[v] ? most[v] : size;
-          }
-      }
-      double all = 0;
-      for (double m : most) all = m <= all ? all : m;
-      return all;
+    const std::array<Star, 2> stars{Star(fine(), k_, x_, 0), Star(fine(), k_, x_, 1)};
+    const auto ds = d_.c, bs = b_.c, xs = x_.c, rs = r_.c;
+    return largest([=](int c, auto s, index first, index n, double* lanes) {
+      const Star star = stars[c];
+      const double *d = ds[c], *b = bs[c], *x = xs[c];
+      double* r = rs[c];
+      HOULE_INDEPENDENT
+      for (index i = first; i < first + n; ++i) r[i] = d[i] > 0 ? b[i] + star(s, i) - d[i] * x[i] : 0.0;
+      max_size(r + first, n, lanes);
     });
   }
 
   void round_residual(double scale) {
     scale_ = scale;
-    auto* self = this;
-    multigrid::for_rows(fine(), [=](const Pencil& row) {
-      for (int c = 0; c < 2; ++c) {
-        const double* r = self->r_.c[c] + row.at;
-        Real* b = self->levels_[0].b.c[c] + row.at;
+    for (int c = 0; c < colours(); ++c) {
+      const double* r = r_.c[c];
+      Real* b = levels_[0].b.c[c];
+      multigrid::sweep(fine(), c, [=](auto, index first, index n) {
         HOULE_INDEPENDENT
-        for (index m = row.lo; m < row.hi; ++m) b[m] = static_cast<Real>(scale * r[m]);
-      }
-    });
+        for (index i = first; i < first + n; ++i) b[i] = static_cast<Real>(scale * r[i]);
+      });
+    }
   }
 
   double dot_rz() {
-    auto* self = this;
-    return sum([=](const Pencil& row) {
-      double s[multigrid::width] = {};
-      for (int c = 0; c < 2; ++c) {
-        const double* r = self->r_.c[c] + row.at;
-        const Real* z = self->levels_[0].x.c[c] + row.at;
-        for (index m = row.lo; m < row.hi; m += multigrid::width)
-          for (int v = 0; v < multigrid::width; ++v) s[v] += r[m + v] * static_cast<double>(z[m + v]);
-      }
-      return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+    const auto rs = r_.c;
+    const auto zs = levels_[0].x.c;
+    return sum([=](int c, auto, index first, index n, double* lanes) {
+      const double* r = rs[c] + first;
+      const Real* z = zs[c] + first;
+      add_products(r, z, n, lanes);
     });
   }
 
   void direction(double beta) {
-    auto* self = this;
-    multigrid::for_rows(fine(), [=](const Pencil& row) {
-      for (int c = 0; c < 2; ++c) {
-        double* p = self->p_.c[c] + row.at;
-        const Real* z = self->levels_[0].x.c[c] + row.at;
+    for (int c = 0; c < colours(); ++c) {
+      double* p = p_.c[c];
+      const Real* z = levels_[0].x.c[c];
+      multigrid::sweep(fine(), c, [=](auto, index first, index n) {
         HOULE_INDEPENDENT
-        for (index m = row.lo; m < row.hi; ++m) p[m] = static_cast<double>(z[m]) + beta * p[m];
-      }
-    });
+        for (index i = first; i < first + n; ++i) p[i] = static_cast<double>(z[i]) + beta * p[i];
+      });
+    }
+    extend(p_, nullptr);
   }
 
   double apply() {  // q = A p; returns p . q
-    auto* self = this;
     for (int c = 0; c < 2; ++c) multigrid::exchange(fine(), p_, c);
-    return sum([=](const Pencil& row) {
-      double s[multigrid::width] = {};
-      for (int c = 0; c < 2; ++c) {
-        const multigrid::Star<D, double> star(self->fine(), self->k_, self->p_, row, c);
-        const double* d = self->d_.c[c] + row.at;
-        const double* p = self->p_.c[c] + row.at;
-        double* q = self->q_.c[c] + row.at;
-        HOULE_INDEPENDENT
-        for (index m = row.lo; m < row.hi; ++m) q[m] = d[m] > 0 ? d[m] * p[m] - star(m) : 0.0;
-        for (index m = row.lo; m < row.hi; m += multigrid::width)
-          for (int v = 0; v < multigrid::width; ++v) s[v] += p[m + v] * q[m + v];
-      }
-      return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7]));
+    const std::array<Star, 2> stars{Star(fine(), k_, p_, 0), Star(fine(), k_, p_, 1)};
+    const auto ds = d_.c, ps = p_.c, qs = q_.c;
+    return sum([=](int c, auto s, index first, index n, double* lanes) {
+      const Star star = stars[c];
+      const double *d = ds[c], *p = ps[c];
+      double* q = qs[c];
+      HOULE_INDEPENDENT
+      for (index i = first; i < first + n; ++i) q[i] = d[i] > 0 ? d[i] * p[i] - star(s, i) : 0.0;
+      add_products(p + first, q + first, n, lanes);
     });
   }
 
   double advance(double alpha) {  // x += alpha p, r -= alpha q; returns the max-norm of r
-    auto* self = this;
+    const auto ps = p_.c, qs = q_.c, xs = x_.c, rs = r_.c;
+    const auto bs = levels_[0].b.c;
     const double scale = scale_;
-    return largest([=](const Pencil& row) {
-      double most[multigrid::width] = {};
-      for (int c = 0; c < 2; ++c) {
-        const double* p = self->p_.c[c] + row.at;
-        const double* q = self->q_.c[c] + row.at;
-        double* x = self->x_.c[c] + row.at;
-        double* r = self->r_.c[c] + row.at;
-        Real* b = self->levels_[0].b.c[c] + row.at;
-        HOULE_INDEPENDENT
-        for (index m = row.lo; m < row.hi; ++m) {
-          x[m] += alpha * p[m];
-          r[m] -= alpha * q[m];
-          b[m] = static_cast<Real>(scale * r[m]);
-        }
-        for (index m = row.lo; m < row.hi; m += multigrid::width)
-          for (int v = 0; v < multigrid::width; ++v) {
-            const double size = std::abs(r[m + v]);
-            most[v] = size <= most[v] ? most[v] : size;
-          }
+    return largest([=](int c, auto, index first, index n, double* lanes) {
+      const double *p = ps[c] + first, *q = qs[c] + first;
+      double *x = xs[c] + first, *r = rs[c] + first;
+      Real* b = bs[c] + first;
+      HOULE_INDEPENDENT
+      for (index i = 0; i < n; ++i) {
+        x[i] += alpha * p[i];
+        r[i] -= alpha * q[i];
+        b[i] = static_cast<Real>(scale * r[i]);
       }
-      double all = 0;
-      for (double m : most) all = m <= all ? all : m;
-      return all;
+      max_size(r, n, lanes);
     });
   }
 
+  // One V-cycle for levels_[i].x from levels_[i].b, symmetric and positive definite. An even number of half sweeps.
   void cycle(std::size_t i) {
     auto& level = levels_[i];
-    if (i + 1 == levels_.size()) {
+    if (i + 1 == levels_.size()) {  // a single cell
       level.relax_zero(0);
       level.relax_zero(1);
       return;
     }
-    int colour = half_sweeps % 2 == 0 ? 0 : 1;
-    level.relax_zero(colour);
-    for (int s = 1; s < half_sweeps; ++s) level.relax(colour = 1 - colour);
+    const int half_sweeps = i == 0 ? 4 : 6;
+    level.relax_zero(0);
+    for (int s = 1; s < half_sweeps; ++s) level.relax(s % 2);
     multigrid::restrict_residual(level, levels_[i + 1]);
     cycle(i + 1);
     multigrid::prolong(levels_[i + 1], level);
-    colour = 0;
-    for (int s = 0; s < half_sweeps; ++s) level.relax(colour = 1 - colour);
+    for (int s = 1; s <= half_sweeps; ++s) level.relax(s % 2);
   }
 };
 

@@ -16,6 +16,34 @@ inline double depth_from_fill(double F) {
   return -1.0;
 }
 
+// Height of water standing in each column of cells, sum_p (V/n)_p B(x_p - x_c) / (plan area of a cell) [m], with the
+// quadratic B-spline B in the horizontal: its derivative, with which the flux between columns is taken, is the tent that
+// the position correction keeps full, so that the count of particles in a column adds no noise. Walls fold.
+template <int D>
+inline void column_heights(const Grid<D>& g, const std::int64_t* start, const double* x, const double* bulk,
+                           double* height) {
+  const index nz = g.shape[D - 1], columns = g.cells() / nz;
+  const double area = g.cell_volume() / g.h[D - 1];
+  std::array<index, D> shape = g.shape;
+  shape[D - 1] = 1;
+  const auto stride = Grid<D>::strides(shape);
+  parallel_for(columns, [=](index c) { height[c] = 0.0; });
+  each_slab(g, start, [=](index begin, index end) {
+    for (index p = begin; p < end; ++p) {
+      Stencil<QuadraticKernel, D> st;
+      st.set(g, -1, x + D * p, 0.0);
+      const double v = bulk[p] / area;
+      if constexpr (D == 2) {
+        for (int i = 0; i < 3; ++i) height[st.node[0][i]] += st.weight[0][i] * v;
+      } else {
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            height[st.node[0][i] * stride[0] + st.node[1][j]] += st.weight[0][i] * st.weight[1][j] * v;
+      }
+    }
+  });
+}
+
 // From the fill fraction of every cell: depth (cells), active (cells) and the free surface of every column.
 //
 // Where a column is single-valued (full below, empty above) and no steeper than 45 degrees, its surface lies where the
@@ -24,8 +52,8 @@ inline double depth_from_fill(double F) {
 // open (cells): 0 marks cells closed by solids. column, eta (grid.shape[:-1]): work space; level of the surface above
 // z = 0 [m], NaN where dry.
 template <int D>
-inline void find_surface(const Grid<D>& g, const double* fill, const double* open, bool use_columns, double* depth,
-                         std::uint8_t* active, double* column, double* eta) {
+inline void find_surface(const Grid<D>& g, const double* fill, const double* open, const double* height,
+                         bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
   // height of the water in a single-valued column, in cells; NaN where there is no such thing
@@ -33,20 +61,15 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
       columns,
       [=](index c) {
         const double *F = fill + c * nz, *o = open + c * nz;
-        index k = 0;
-        double height = 0.0;
-        while (k < nz && (o[k] <= 0.0 || F[k] >= 0.5)) height += o[k] <= 0.0 ? 1.0 : F[k], ++k;
+        index bed = 0, k = 0;
+        double floor = 0.0;  // height of the solid ground, in cells
+        while (bed < nz && o[bed] < 1.0 && (bed == 0 || o[bed] >= o[bed - 1])) floor += 1.0 - o[bed], ++bed;
+        while (k < nz && (o[k] <= 0.0 || F[k] >= 0.5)) ++k;
         const index top = k;  // first cell less than half full
-        if (k < nz) height += F[k], ++k;
-        if (k < nz) height += F[k], ++k;
-        bool single = top > 0;
-        for (; k < nz; ++k) {
-          height += F[k];
-          single = single && (F[k] < 1e-3 || o[k] <= 0.0);
-        }
-        for (index j = 0; j < top - 2 && single; ++j) single = o[j] <= 0.0 || F[j] > 0.8;
-        if (top == 0) single = F[0] > 0.0 && (nz < 3 || F[2] < 1e-3);
-        column[c] = single && use_columns ? height : std::numeric_limits<double>::quiet_NaN();
+        bool single = top > 0 || (F[0] > 0.0 && (nz < 3 || F[2] < 1e-3));
+        for (index j = bed; j < nz && single; ++j)
+          single = o[j] >= 1.0 && (j + 2 < top ? F[j] > 0.8 : (j > top + 1 ? F[j] < 1e-3 : true));
+        column[c] = single && use_columns ? floor + height[c] / hz : std::numeric_limits<double>::quiet_NaN();
       },
       64);
   std::array<index, D> shape = g.shape;

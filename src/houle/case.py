@@ -7,6 +7,7 @@ and range.
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import json
 from pathlib import Path
@@ -111,7 +112,13 @@ class Domain(Table):
 
     size: Annotated[
         tuple[Annotated[float, Field(gt=0, le=1e5)], ...],
-        Field(strict=False, min_length=2, max_length=3, description="length along each axis, the last is up [m]"),
+        Field(
+            strict=False,
+            min_length=2,
+            max_length=3,
+            description="length along each axis, the last is up [m]",
+            examples=[[1.0, 0.5]],
+        ),
     ]
     spacing: float = Field(gt=0, description="grid spacing; particles start at half of it [m]", examples=[0.005])
     walls: Walls = Field(default=Walls(), description='"slip", "no-slip", or a table of sides')
@@ -475,16 +482,21 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
     at by `checks.require`.
     """
     if isinstance(source, Case):
-        path, data = source.path, source.to_dict() if overrides else source
-        if isinstance(data, Case):
-            return data
+        if not overrides:
+            return source
+        path, data = source.path, source.to_dict()
+        if "numerics.scheme" in overrides:  # what the old scheme had set does not stand in the way of the new one
+            old = SCHEMES[source.numerics.scheme]
+            data["numerics"] = {k: v for k, v in data["numerics"].items() if old.get(k) != v}
     elif isinstance(source, dict):
-        path, data = None, json.loads(json.dumps(source))
+        path, data = None, copy.deepcopy(source)
     else:
         path = find(source)
         data = read_toml(path)
     for key, value in (overrides or {}).items():
         override(data, key, value)
+        if key in ("time.step", "time.courant"):
+            data["time"].pop("courant" if key == "time.step" else "step", None)
     try:
         case = Case.model_validate(data)
     except ValidationError as error:

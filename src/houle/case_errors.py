@@ -160,19 +160,19 @@ def _lines(error: Any, model: type[BaseModel], data: dict[str, Any]) -> list[str
         return [
             f"{shown if value else where} has {error['ctx']['actual_length']} entries: {_count(error)}. {_what(field)}"
         ]
-    return [_wrong_type(shown, kind, value, key, field)]
+    return [_wrong_type(shown, kind, value, key, field, top=len(loc) == 1)]
 
 
-def _wrong_type(shown: str, kind: str, value: Any, key: str, field: FieldInfo | None) -> str:
+def _wrong_type(shown: str, kind: str, value: Any, key: str, field: FieldInfo | None, top: bool) -> str:
     wanted = KINDS.get(kind, kind)
     cure = ""
     if isinstance(value, str) and kind in ("float_type", "int_type"):
         number = re.match(r"\s*([-+0-9.eE]+)\s*(.*)$", value)
         cure = f" Write it without quotes, in SI units: {number[1]}" if number and not number[2] else ""
         cure = cure or (" Write the number alone, in SI units." if number else "")
-    if kind == "tuple_type" and isinstance(value, Mapping):
+    if kind == "tuple_type" and isinstance(value, Mapping) and top:
         cure = f" Write [[{key}]] instead of [{key}]."
-    if kind.startswith("model") and isinstance(value, list):
+    if kind.startswith("model") and isinstance(value, list) and top:
         cure = f" Write [{key}] once instead of [[{key}]]."
     return f"{shown} is of the wrong kind: {wanted} is needed{_allowed(key, field)}.{cure}"
 

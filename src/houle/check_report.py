@@ -61,11 +61,9 @@ def _passport(p: Passport) -> Table:
 
 
 def _price(case: Case, threads: int) -> str:
-    p, available = preflight.price(case, threads), preflight.machine_memory()
+    p = preflight.price(case, threads)
     minutes = f"{p.minutes:.0f} min" if p.minutes >= 1.5 else f"{60 * p.minutes:.0f} s"
-    memory = f"{p.memory / 1e6:.0f} MB of memory"
-    if available is not None and p.memory > 0.8 * available:
-        memory += f" [red](this machine has {available / 1e6:.0f} MB: take a larger domain.spacing)[/]"
     work = f"{p.particles} particles, {p.steps} steps of {1000 * p.step:.2g} ms"
     on = f"{minutes} on {threads} thread{'s' if threads > 1 else ''}"
-    return f"Cost, a guess within a factor of 3: {work}, {on}, {memory}, {p.disk / 1e6:.0f} MB of results"
+    space = f"{p.memory / 1e6:.0f} MB of memory, {p.disk / 1e6:.0f} MB of results"
+    return f"Cost, a guess within a factor of 3: {work}, {on}, {space}"

@@ -8,6 +8,7 @@ function that yields findings and add it to CHECKS.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf, sqrt
@@ -25,6 +26,8 @@ from houle.grid import FloatArray
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
 ENOUGH = 4.0  # below is a warning
+COLUMNS = 500  # looked at for the levels of the water
+BYTES = 250  # of memory per particle, its share of the grid included
 
 
 @dataclass(frozen=True)
@@ -92,10 +95,11 @@ class Section:
         return shapely.difference(self.area(self.water, layer), self.area(self.solid, layer))
 
     def tops(self, areas: list[shapely.Geometry]) -> FloatArray:
-        """Top [m] of an area per layer in every column of cells, to a cell; 0 where there is none."""
-        x, z = np.meshgrid(*(self.grid.axis_points(a) for a in (0, self.grid.dimension - 1)), indexing="ij")
-        top = z + self.grid.spacing[-1] / 2
-        return np.array([np.where(geometry.covers(area, x, z), top, 0).max(axis=1) for area in areas])
+        """Top [m] of an area per layer over evenly spaced columns; 0 where there is none."""
+        x = (np.arange(COLUMNS) + 0.5) / COLUMNS * self.window[2]
+        ends = np.stack([np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3])], axis=1)
+        columns = shapely.linestrings(ends)
+        return np.array([np.nan_to_num(shapely.bounds(shapely.intersection(columns, a))[:, 3]) for a in areas])
 
     def depth(self) -> float:
         """Highest level of the water [m]."""
@@ -106,6 +110,13 @@ class Section:
         water = self.tops([self.open_water(y) for y in self.layers])
         floor = self.tops([self.area(self.solid, y) for y in self.layers])
         return float(water.max() - np.maximum(water, floor).min())
+
+    def particles(self) -> float:
+        """How many the water is made of: 2 per cell and axis."""
+        flat = self.grid.dimension == 2
+        widths = [1.0 if flat else y1 - y0 for y0, y1 in self.layers]
+        volume = sum(self.open_water(y).area * w for y, w in zip(self.layers, widths, strict=True))
+        return volume / self.grid.cell_volume * 2**self.grid.dimension
 
     def extent(self, body: Body) -> tuple[float, ...]:
         """Length [m] of the body inside the domain along each axis."""
@@ -136,10 +147,11 @@ def axes(case: Case) -> str:
 
 def check(case: Case) -> list[Finding]:
     """All findings about a case, errors first."""
-    shapes = list(simple_polygons(case))
-    if shapes:  # nothing else can be said about crossing outlines
+    if shapes := list(simple_polygons(case)):
         return shapes
     section = Section(case)
+    if outside := list(inside_domain(section)):
+        return outside  # nothing more can be said about shapes that are not there
     found = [finding for look in CHECKS for finding in look(section)]
     order = ("error", "warning", "info")
     return sorted(found, key=lambda f: order.index(f.level))
@@ -167,22 +179,20 @@ def simple_polygons(case: Case) -> Iterator[Finding]:
 
 
 def inside_domain(s: Section) -> Iterator[Finding]:
-    """No shape reaches out of the domain; no level lies above it."""
+    """No shape reaches out of the domain; no level lies above it. The worst side of each is told."""
     size, slack = s.case.domain.size, 1e-6 * s.case.domain.spacing
-    names = axes(s.case)
     for body in s.bodies:
-        lower, upper = body.shape.bounds
         kind = next(k for k in ("box", "polygon", "below") if getattr(body.entry, k) is not None)
-        for axis, (low, high) in enumerate(zip(lower, upper, strict=True)):
-            outside = [v for v in (low, high) if np.isfinite(v) and not -slack <= v <= size[axis] + slack]
-            if outside:
-                hint = _metres(max(outside, key=abs), size[axis])
-                yield Finding(
-                    "error",
-                    f"{body.key}.{kind}",
-                    f"reaches {names[axis]} = {max(outside, key=abs):g}, outside the domain 0 <= {names[axis]} <= "
-                    f"{size[axis]:g} m: cut it there, or change domain.size.{hint}",
-                )
+        ends = [(axis, float(v)) for corner in body.shape.bounds for axis, v in enumerate(corner) if np.isfinite(v)]
+        beyond, axis, value = max((max(-v, v - size[a]) / size[a], a, v) for a, v in ends)
+        if beyond * size[axis] > slack:
+            name, hint = axes(s.case)[axis], _metres(value, size[axis])
+            yield Finding(
+                "error",
+                f"{body.key}.{kind}",
+                f"reaches {name} = {value:g}, outside the domain 0 <= {name} <= {size[axis]:g} m: cut it there, or "
+                f"change domain.size.{hint}",
+            )
 
 
 def _metres(value: float, size: float) -> str:
@@ -262,13 +272,13 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
                 f"= {d:g} m against a thickness of {thick:.3g} m: a law averages over several grains, give "
                 f"grain_diameter <= {thick / 3:.2g} m, or a and b measured on the body.{hint}",
             )
-    for body in s.solid:
-        thick = s.thickness(body)
-        if thick < FEWEST * h:
+    for body in (*s.solid, *s.water):
+        thick, what = s.thickness(body), "hold water back" if body.entry in s.case.solid else "flow as water does"
+        if thick < FEWEST * h * (1 - 1e-9):
             yield Finding(
                 "warning",
                 body.key,
-                f"is {thick:.3g} m thick, {thick / h:.1f} spacings of {h:.3g} m: {FEWEST:g} or more hold water back, "
+                f"is {thick:.3g} m thick, {thick / h:.1f} spacings of {h:.3g} m: {FEWEST:g} or more {what}, "
                 f"domain.spacing = {thick / FEWEST:.2g}",
             )
 
@@ -360,6 +370,28 @@ def materials(s: Section) -> Iterator[Finding]:
             yield Finding("warning", f"{body.key}.porosity", text)
 
 
+def memory_suffices(s: Section) -> Iterator[Finding]:
+    """The particles fit into this machine, as far as one can tell before."""
+    needed, there = BYTES * s.particles(), machine_memory()
+    if there is not None and needed > 0.8 * there:
+        h = s.case.domain.spacing
+        better = h * (needed / (0.5 * there)) ** (1 / s.case.dimension)
+        yield Finding(
+            "error" if needed > 2 * there else "warning",
+            "domain.spacing",
+            f"= {h:g} m makes {s.particles():.3g} particles, about {needed / 1e9:.3g} GB; this machine has "
+            f"{there / 1e9:.3g} GB: domain.spacing = {better:.2g}",
+        )
+
+
+def machine_memory() -> float | None:
+    """[bytes], where the system tells."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
 def reference_is_there(s: Section) -> Iterator[Finding]:
     """The laboratory file named can be opened."""
     r, path = s.case.reference, s.case.path
@@ -371,7 +403,6 @@ def reference_is_there(s: Section) -> Iterator[Finding]:
 
 
 CHECKS = (
-    inside_domain,
     water_is_somewhere,
     bodies_agree,
     grid_resolves,
@@ -380,5 +411,6 @@ CHECKS = (
     gates,
     times,
     materials,
+    memory_suffices,
     reference_is_there,
 )

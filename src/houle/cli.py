@@ -94,12 +94,14 @@ def run(
     threads: Threads = None,
     until: Until = None,
     overrides: Overrides = None,
+    movie: Annotated[bool, typer.Option("--movie", help="Also make an MP4.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing while it works.")] = False,
 ) -> None:
     """Compute a case."""
     import houle
 
-    houle.run(case, out=out, threads=threads, until=until, progress=not quiet, overrides=_changes(overrides))
+    changes = _changes(overrides) | ({"output.movie": True} if movie else {})
+    houle.run(case, out=out, threads=threads, until=until, progress=not quiet, overrides=changes)
 
 
 @app.command()
@@ -156,11 +158,14 @@ def validate(
 
 @app.command()
 @ending
-def bench(threads: Threads = None) -> None:
+def bench(
+    threads: Threads = None,
+    large: Annotated[bool, typer.Option("--large", help="Also with a million particles, 2D and 3D.")] = False,
+) -> None:
     """Measure the throughput on this machine, per operation, beside the memory bandwidth it reaches."""
     from houle.bench import bench as measure
 
-    measure(threads=threads)
+    measure(threads=threads, large=large)
 
 
 def _changes(overrides: list[str] | None) -> dict[str, Any]:

@@ -20,10 +20,10 @@ PAPER = "Ramos Ortega, Beaudoin & Huberson (2020), 17emes Journees de l'Hydrodyn
 
 SCHEMES: Rows = {
     "houle": (
-        "Particles carry the Darcy velocity and a water volume, the grid solves the pressure with p = 0 on the true "
-        "surface inside the cells; the drag is implicit inside the projection, the change of porosity acts as a force "
-        "on the faces, particles move with the pore velocity u_d/n. Transfer by the full mass matrix (fmpm) with the linear kernel, "
-        "positions corrected towards uniform volume, remeshing that conserves volume and momentum.",
+        "Particles carry the Darcy velocity and a water volume; the grid solves the pressure with p = 0 on the true "
+        "surface inside the cells. The drag is implicit inside the projection, the change of porosity acts as a force "
+        "on the faces, particles move with the pore velocity u_d/n. Transfer by the full mass matrix (fmpm) with the "
+        "linear kernel, positions corrected towards uniform volume, remeshing that conserves volume and momentum.",
         "docs/theory.md and docs/decisions",
     ),
     "jh2020": (
@@ -99,7 +99,7 @@ OTHERS: Rows = {
 
 
 RESISTANCE = """Drag per unit mass of water: a u_d + b |u_d| u_d, with the Darcy velocity u_d = n u. Every law has its
-own powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number (left out: steady).
+own powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number.
 Or directly: resistance = {a = ..., b = ...}, or {permeability = ..., forchheimer = ...}; a = nu/K_p, b = C_f/sqrt(K_p).
 Inertia: C_r = 1 + added_mass (1-n)/n; 0.34: van Gent (1995)."""
 

@@ -39,7 +39,7 @@ class Field:
 _LEVEL = "water_surface_height_above_reference_datum"
 _OPERATIONS = {
     "forces": "the forces applied on the grid (gravity, viscosity, porosity gradient)",
-    "projection": "the pressure projection, drag work not counted",
+    "projection": "the pressure projection, the implicit porous drag included",
     "transfer": "the transfers between particles and grid",
     "advection": "moving the particles",
     "correction": "the position correction",
@@ -79,7 +79,7 @@ FIELDS: tuple[Field, ...] = (
     Field(
         "volume_drift", r"\Delta V/V_0", "1", "run", "change of the water volume since the start, over the first volume"
     ),
-    Field("mean_level", r"\bar\eta", "m", "run", "water volume found under the free surface, over the open plan area"),
+    Field("mean_level", r"\bar\eta", "m", "run", "mean level of the free surface over the wet columns"),
     *(
         Field(
             f"momentum_{axis}", f"P_{axis}", "kg m s-1", "run", f"momentum of the water along {axis}", unit_2d="kg s-1"

@@ -12,6 +12,9 @@ from houle.particles import Particles
 from houle.porous import Medium
 
 
+SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
+
+
 class Flow:
     """Particles on a grid in a medium. Arrays are reused from step to step; those of the particles grow if needed.
 
@@ -27,6 +30,9 @@ class Flow:
         gravity: tuple[float, ...],
         kernel: str = "linear",
         tolerance: float = 1e-6,
+        viscosity: float = 0.0,
+        smagorinsky: float = 0.0,
+        no_slip: tuple[tuple[bool, bool], ...] | None = None,
         columns: bool = True,
     ) -> None:
         self.grid, self.medium, self.particles = grid, medium, particles
@@ -34,6 +40,8 @@ class Flow:
         self.kernel = kernel
         self.tolerance = tolerance  # max |div u_d| dt left by the projection
         self.columns = columns  # place the surface by column volumes where it is single-valued
+        self.viscosity, self.smagorinsky = viscosity, smagorinsky
+        self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.porous = bool(np.any(medium.porosity < 1.0))
 
         g = grid
@@ -43,14 +51,18 @@ class Flow:
         self.depth = g.cells()  # of the cell centre below the free surface [cells]
         self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
         self.eta = np.zeros(g.shape[:-1])  # level of the free surface [m], NaN where dry
-        self.column = np.zeros(g.shape[:-1])
+        self.height = np.zeros(g.shape[:-1])  # of the water standing in a column [m]
+        self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN
         self.velocity = g.faces()  # Darcy velocity [m/s]
         self.face_mass = g.faces()  # bulk volume that each face carries [m^d]
         self.face_work = g.faces()
         self.drag = g.faces(1.0)  # factor by which the implicit resistance scales the old velocity
         self.mobility = g.faces()  # factor of grad p in the projection [s]
         self.valid = [np.zeros(g.face_shape(a), np.uint8) for a in range(g.dimension)]
+        self.resisted = g.faces()  # share of the old velocity that the drag takes
         self.old_velocity = g.faces()
+        self.acceleration = g.faces()
+        self.nu = g.cells(viscosity)  # kinematic viscosity with the eddies' [m2/s]
         self.pressure = g.cells()  # p / rho [m2/s2]
         self.psi = g.cells()  # potential of the position correction [m2]
         self.extra: Faces = []  # further accelerations on the faces [m/s2]; empty: none
@@ -72,7 +84,7 @@ class Flow:
         n, d = self.particles.position.shape
         self.cell, self.order = np.zeros(n, np.int64), np.zeros(n, np.int64)
         self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
-        self.bulk = self.particles.volume.copy()  # V / n
+        self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.shift = np.zeros((n, d))
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
         self.inertia: FloatArray | None = np.ones(n) if self.porous else None
@@ -84,6 +96,8 @@ class Flow:
             _core.gather_cells(core, p.position, self.medium.porosity, self.porosity)
             np.divide(p.volume, self.porosity, out=self.bulk)
             _core.gather_cells(core, p.position, self.cell_inertia, self.inertia)
+        else:
+            self.bulk = p.volume
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 
@@ -97,13 +111,17 @@ class Flow:
             self._cell_inertia = np.ascontiguousarray(sum(parts) / d)
         return self._cell_inertia
 
+    def snapshot(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Copies of position, velocity and porosity of the particles."""
+        return self.particles.position.copy(), self.particles.velocity.copy(), self.porosity.copy()
+
     # ---- derived -------------------------------------------------------------------------------------------------
 
     def velocity_change(self) -> Faces:
         """What forces and pressure added to each face, for FLIP: new - drag * old, carried outwards like velocities."""
         change = [n - d * o for n, d, o in zip(self.velocity, self.drag, self.old_velocity, strict=True)]
         known = [(v == 1).astype(np.uint8) for v in self.valid]
-        _core.extrapolate(self.grid.core, 6, 2, self.face_mass, 1e-3 * self.grid.cell_volume, change, known)
+        _core.extrapolate(self.grid.core, 6, 2, self.face_mass, SPRAY * self.grid.cell_volume, change, known)
         return change
 
     def kinetic_energy(self) -> float:
@@ -124,9 +142,10 @@ class Flow:
             if g != 0.0 and not self.grid.periodic[a]
         )
 
+    def pore_velocity(self) -> FloatArray:
+        """u_d / n of the particles (N, d) [m/s]."""
+        return self.particles.velocity / self.porosity[:, None]
+
     def max_pore_speed(self) -> FloatArray:
         """Largest |u_d| / n of the particles along each axis [m/s]."""
-        speed = np.abs(self.particles.velocity)
-        if self.porous:
-            speed = speed / self.porosity[:, None]
-        return speed.max(axis=0, initial=0.0)
+        return np.asarray(_core.max_speed(self.particles.velocity, self.porosity if self.porous else None))

@@ -27,6 +27,8 @@ class Ledger:
         self.energy: dict[str, float] = dict.fromkeys(OPERATIONS, 0.0)
         self.notes: dict[str, float] = {}
         self.volume0 = flow.particles.total_volume
+        self.drag_work = 0.0
+        self.viscous_work = 0.0
         self.on_grid = False
 
     @contextmanager

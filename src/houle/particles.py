@@ -22,8 +22,8 @@ class Particles:
 
     @property
     def total_volume(self) -> float:
-        """[m^d], summed so that the order of the particles does not matter to round-off"""
-        return float(np.sum(np.sort(self.volume)))
+        """[m^d]"""
+        return float(np.sum(self.volume))
 
 
 def lattice(grid: Grid, per_cell: int = 2) -> FloatArray:

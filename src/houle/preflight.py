@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,13 +9,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from houle import geometry
 from houle.case import Case
-from houle.checks import Body, Section, expected_speed
+from houle.checks import BYTES, Body, Section, expected_speed
 from houle.resistance import Passport, passport
 
 MICROSECONDS = 1.0  # of one core per particle and step, everything on; `houle bench` measures yours
-BYTES = 250  # of memory per particle, its share of the grid included
 STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
 
 
@@ -57,9 +54,7 @@ def price(case: Case, threads: int = 1) -> Price:
     """Particles, steps, minutes, memory and disk to expect."""
     s = Section(case)
     d, h, g = case.dimension, case.domain.spacing, s.grid
-    widths = [g.size[1] if y == geometry.EVERYWHERE and d == 3 else (y[1] - y[0] if d == 3 else 1.0) for y in s.layers]
-    water = sum(s.open_water(y).area * w for y, w in zip(s.layers, widths, strict=True))
-    particles, cells = round(water / g.cell_volume * 2**d), int(np.prod(g.shape))
+    particles, cells = round(s.particles()), int(np.prod(g.shape))
     slow = min([1.0, *(b.entry.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
     step = case.time.step or case.time.courant * h / (expected_speed(s) / (1.0 if s.drop() > h else slow))
     steps = int(np.ceil(case.time.end / step))
@@ -75,14 +70,6 @@ def price(case: Case, threads: int = 1) -> Price:
         memory=60e6 + BYTES * particles,
         disk=0.6 * frames * per_frame + rows,
     )
-
-
-def machine_memory() -> float | None:
-    """[bytes], where the system tells."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):
-        return None
 
 
 def draw(case: Case, file: Path) -> None:

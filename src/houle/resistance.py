@@ -147,8 +147,8 @@ LAWS: dict[str, Law] = {
         huang_2003,
         {},
         "Huang, Chang & Hwang (2003), Coastal Engineering 49; used by Shao (2010), Coastal Engineering 57",
-        "RECALLED and doubtful: three times Ergun's drag in the rock of Liu et al. (1999), and b grows with the porosity. "
-        "Read the paper before using it.",
+        "RECALLED and doubtful: three times Ergun's drag in the rock of Liu et al. (1999), and b grows with the "
+        "porosity. Read the paper before using it.",
         porosity=(0.3, 0.5),
     ),
 }

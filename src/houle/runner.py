@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Mapping
 from functools import cached_property
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from houle.session import Session
 
 CASE_FILE = "case.toml"
+PRICE_ACCURACY = 3.0  # of the guess of the disk space: a run is refused only if a third of it is not there
 
 
 def run(
@@ -50,6 +52,7 @@ def run(
     case = load(case, overrides=dict(overrides or {}))
     check_until(until, 0.0)
     directory = new_folder(case.case.name, out)
+    check_outputs(case, directory)
     for finding in checks.require(case):
         if finding.level == "warning":
             says.say(f"warning: {finding}")
@@ -120,10 +123,14 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 def draw(run: Run, session: Session) -> None:
     """The pictures of the run, and the film if the case asks for one. A picture that fails does not fail the run."""
     session.says.say("houle: drawing pictures")
+    grid = session.simulation.grid
     try:
-        from houle.output import pictures
+        from houle.output import movie, pictures
 
-        pictures.write_pictures(run.directory, run.case, session.simulation.grid, run.series, run.surface, run.fields)
+        pictures.write_pictures(run.directory, run.case, grid, run.series, run.surface, run.fields)
+        if run.case.output.movie:
+            session.says.say("houle: drawing the film")
+            movie.write_movie(run.directory / movie.NAME, run.case, grid, run.fields)
     except Exception as error:
         session.says.say(f"warning: no pictures ({type(error).__name__}: {error})")
 
@@ -216,6 +223,21 @@ def new_folder(name: str, out: str | os.PathLike[str] | None) -> Path:
 
 def holds_run(directory: Path) -> bool:
     return (directory / "run.json").exists() or any(directory.glob("checkpoint-*.h5"))
+
+
+def check_outputs(case: Case, directory: Path) -> None:
+    """Refuses what would fail hours later: a film without its encoder, a disk that is far too small."""
+    from houle.preflight import price
+
+    if case.output.movie and find_spec("imageio_ffmpeg") is None:
+        raise CaseError('output.movie = true needs an encoder: pip install "houle[movie]", or leave it out')
+    there = next(p for p in directory.absolute().parents if p.exists())
+    needed, free = price(case).disk / PRICE_ACCURACY, shutil.disk_usage(there).free
+    if needed > free:
+        raise CaseError(
+            f"output.every = {case.output.every:g} s writes at least {needed / 1e9:.2g} GB, {there} has "
+            f"{free / 1e9:.2g} GB free: free some space, write elsewhere with --out, or set a longer output.every"
+        )
 
 
 def check_until(until: float | None, time: float) -> None:

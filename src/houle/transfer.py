@@ -2,13 +2,15 @@
 
 Each strategy has
     to_grid(flow)              particle velocities -> flow.velocity and flow.face_mass
-    to_particles(flow, shift)  flow.velocity -> particle velocities, at the positions of to_grid
+    to_particles(flow)         flow.velocity -> particle velocities, at the positions of to_grid
+    renew(flow)                after the particles were replaced by new ones
 and may carry per-particle state in `arrays` (sorted, remeshed and saved with the particles).
 The mass of a particle in a transfer is its bulk volume V/n, so that what is conserved is sum V/n u_d = sum V u.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -27,6 +29,8 @@ class Transfer(Protocol):
 
     def to_particles(self, flow: Flow) -> None: ...
 
+    def renew(self, flow: Flow) -> None: ...
+
 
 def _cloud(flow: Flow) -> tuple:
     return flow.grid.core, flow.kernel, flow.particles.position, flow.side, flow.bulk, flow.start
@@ -43,6 +47,9 @@ class Pic:
 
     def to_particles(self, flow: Flow) -> None:
         _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, flow.particles.velocity)
+
+    def renew(self, flow: Flow) -> None:
+        """Nothing is kept per particle."""
 
 
 class Fmpm(Pic):
@@ -89,8 +96,19 @@ class Apic(Pic):
         super().to_particles(flow)
         _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"])
 
+    def renew(self, flow: Flow) -> None:
+        """New particles take the velocity gradient of the grid: without it remeshing would be PIC."""
+        n, d = flow.particles.position.shape
+        self.arrays["affine"] = np.zeros((n, d, d))
+        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"])
+
 
 def make(name: str, *, flip: float, order: int) -> Transfer:
-    """The transfer a case names: "pic", "fmpm", "flip" or "apic"."""
-    choices = {"pic": Pic, "fmpm": lambda: Fmpm(order), "flip": lambda: Flip(flip), "apic": Apic}
-    return choices[name]()  # type: ignore[no-untyped-call]
+    """The transfer a case names."""
+    choices: dict[str, Callable[[], Transfer]] = {
+        "fmpm": lambda: Fmpm(order),
+        "flip": lambda: Flip(flip),
+        "apic": Apic,
+        "pic": Pic,
+    }
+    return choices[name]()

@@ -92,6 +92,16 @@ def test_overrides_reach_bodies_by_name_and_by_number():
     assert load(copy.deepcopy(DAM), {"domain.size[0]": 2.0}).domain.size == (2.0, 0.58)
 
 
+def test_overrides_of_a_case_replace_what_excludes_them():
+    case = dam(numerics__flip=0.5)
+    assert (
+        load(case, {"numerics.scheme": "jh2020"}).numerics
+        == dam(numerics__scheme="jh2020", numerics__flip=0.5).numerics
+    )
+    fixed = load(case, {"time.step": 0.01})
+    assert fixed.time.step == 0.01 and load(fixed, {"time.courant": 0.3}).time.step is None
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

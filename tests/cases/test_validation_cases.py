@@ -87,6 +87,14 @@ def test_wetted_depth_is_the_water_below_the_top_over_the_pores():
     assert measure.wetted_depth(position, np.full(3, 0.02), 1.0, 0.4, 0.5) == pytest.approx(0.04 / 0.2)
 
 
+def test_water_under_a_surface_counts_the_pores():
+    """Two columns of four cells of 0.5 m x 0.25 m, the right one porous up to its middle."""
+    porosity = np.array([[1.0] * 4, [0.4, 0.4, 1.0, 1.0]])
+    eta = xr.DataArray([[0.6, 0.6], [np.nan, 0.3]], dims=("time", "x"))
+    expected = [0.5 * (0.6 + 0.5 * 0.4 + 0.1), 0.5 * 0.3 * 0.4]
+    assert measure.water_under(eta, porosity, (1.0, 1.0)) == pytest.approx(expected)
+
+
 def test_fundamental_of_a_pure_wave_with_other_modes_and_a_level():
     time = np.linspace(0.0, 1.0, 11)
     wave = 0.02 * np.cos(3.0 * time)
@@ -141,9 +149,11 @@ def standing_wave(decay=0.0005, stretch=1.0):
     case = load("standing-wave")
     time = np.arange(0.0, case.time.end + 1e-9, 0.01)
     wave = 0.02 * np.exp(-decay * time) * np.cos(2 * np.pi / (1.396157 * stretch) * time)
-    ledger = {"kinetic_energy": 0.0, "potential_energy": 1.0, "volume": 0.25, "volume_drift": 0.0, "mean_level": 0.25}
+    ledger = {"kinetic_energy": 0.0, "potential_energy": 1.0, "volume": 0.25, "volume_drift": 0.0}
     series = xr.Dataset({k: ("time", np.broadcast_to(v, time.shape)) for k, v in ledger.items()}, {"time": time})
-    return SimpleNamespace(case=case, series=series.assign(eta=gauges(wave, time)))
+    surface = xr.Dataset({"eta": (("time", "x"), np.full((2, 100), 0.25))})
+    fields = SimpleNamespace(frame=lambda i: SimpleNamespace(cell_porosity=np.ones((100, 35))))
+    return SimpleNamespace(case=case, series=series.assign(eta=gauges(wave, time)), surface=surface, fields=fields)
 
 
 @pytest.mark.parametrize(
@@ -173,12 +183,12 @@ def test_column_comparison_sees_a_wrong_front(tmp_path):
                 "eta": (("gauge", "time"), layer[None] + 0.45),
                 "volume": ("time", np.full(time.size, 0.01)),
                 "volume_drift": ("time", np.zeros(time.size)),
-                "mean_level": ("time", np.full(time.size, 0.2)),
             },
             {"time": time},
         )
         position = np.stack([np.full(2, 0.025), [0.3, 0.5]], axis=1)
-        frame = SimpleNamespace(position=position, volume=np.array([0.05 * 0.49 * depth[-1], 0.05 * left[-1]]))
+        volume = np.array([0.05 * 0.49 * depth[-1], 0.05 * left[-1]])
+        frame = SimpleNamespace(position=position, volume=volume)
         fields = SimpleNamespace(times=[1.2], frame=lambda i, frame=frame: frame)
         run = SimpleNamespace(case=case, series=series, fields=fields, directory=tmp_path)
         errors.append([c for c in comparison("porous-column").compare(run) if "depth" in c.name and not c.passed])

@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -137,6 +138,15 @@ def test_bad_input_leaves_nothing_behind(tank):
     assert list(Path().iterdir()) == []
 
 
+def test_a_disk_that_is_too_small_and_a_missing_encoder_are_said_before_the_run(tank, monkeypatch):
+    with monkeypatch.context() as patch, pytest.raises(CaseError, match=r"output\.every = 0\.1 s writes at least"):
+        patch.setattr(runner.shutil, "disk_usage", lambda path: SimpleNamespace(free=1000))
+        houle.run(tank)
+    monkeypatch.setattr(runner, "find_spec", lambda name: None)
+    with pytest.raises(CaseError, match=r"output\.movie = true needs an encoder"):
+        houle.run(tank, overrides={"output.movie": True})
+
+
 def test_a_folder_without_a_run_cannot_be_opened_or_resumed(tank, tmp_path):
     for use in (houle.open_run, houle.resume):
         with pytest.raises(CaseError, match="holds no run"):
@@ -231,3 +241,15 @@ def test_lines_say_time_speed_and_drift(tank, monkeypatch):
 
 def test_durations_read_well():
     assert [progress.duration(s) for s in (0.04, 9.96, 75, 7261)] == ["0.0 s", "10 s", "1 min 15 s", "2 h 01 min"]
+
+
+# ---- throughput
+
+
+def test_the_triad_moves_its_bytes_and_the_traffic_counts_particles_and_cells():
+    from houle.bench import least_traffic, triad
+
+    assert 1e8 < triad(1, length=1 << 16, repeats=2) < 1e13
+    without = least_traffic(2, 1000, 0, (10.0, 5.0))
+    assert without == 8 * 1000 * (7 * 5 + 8)
+    assert least_traffic(2, 1000, 100, (20.0, 5.0)) > least_traffic(2, 1000, 100, (10.0, 5.0)) > without

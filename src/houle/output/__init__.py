@@ -1,8 +1,8 @@
 """What a run writes. Every file is written whole under a temporary name, then renamed: kill -9 leaves readable files.
 
-For the runner (all failures of the file system raise OutputError, one message with path and cure):
+For the runner (every failure of the file system is an OutputError: one message with path and cure):
 
-    out = Outputs(directory, case, grid)   writes nothing yet; case needs .gauge, .sensor, .case.title, .case.name, .hash
+    out = Outputs(directory, case, grid)   writes nothing yet; case: .gauge, .sensor, .case, .hash
     out.truncate_after(time)               to resume: go on with the files there, what is after `time` is dropped
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
     out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
@@ -23,7 +23,7 @@ For the runner (all failures of the file system raise OutputError, one message w
 
 Pictures and films import matplotlib, so import them late:
 
-    houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)    all that the run has data for
+    houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)    all there is data for
     houle.output.movie.write_movie(path, case, grid, fields, rate=25)
 
 A new writer: copy surface.py, add it to Outputs.
@@ -105,7 +105,7 @@ class Outputs:
             writer.close()
 
     def truncate_after(self, time: float) -> None:
-        """Resume at a checkpoint of this simulated time [s]: later rows and frames are dropped; the run writes them again."""
+        """Resume at a checkpoint of this simulated time [s]: what is later is dropped, the run writes it again."""
         for writer in (self.series, self.surface, self.fields):
             writer.truncate_after(time)
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
+
+import h5py
 
 from houle.errors import HouleError
 
@@ -75,6 +78,80 @@ def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
             with contextlib.suppress(OSError):
                 temporary.unlink()
             raise
+
+
+@contextlib.contextmanager
+def new_hdf5(path: Path, *, durable: bool = False) -> Iterator[h5py.File]:
+    """An HDF5 file to be filled, that appears whole under its name or not at all."""
+    with (
+        replacing(path, durable=durable) as temporary,
+        Sink(temporary) as sink,
+        h5py.File(sink, "w") as file,
+    ):
+        yield file
+
+
+class Sink:
+    """A file for HDF5, which crashes when a write fails: takes everything, and tells of the first error at the end."""
+
+    def __init__(self, path: Path) -> None:
+        self.file = open(path, "w+b", buffering=0)  # noqa: SIM115
+        self.error: OSError | None = None
+        self.place = self.end = 0
+
+    def __enter__(self) -> Sink:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.file.close()
+        if self.error:
+            raise self.error
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        self.place = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self.place, os.SEEK_END: self.end}[whence]
+        return self.place
+
+    def tell(self) -> int:
+        return self.place
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        size = len(view)
+        self._try(self.file.seek, self.place)
+        while len(view) and not self.error:
+            view = view[self._try(self.file.write, view) or 0 :]
+        self.place += size
+        self.end = max(self.end, self.place)
+        return size
+
+    def read(self, size: int = -1) -> bytes:
+        buffer = bytearray(self.end - self.place if size < 0 else size)
+        self.readinto(buffer)
+        return bytes(buffer)
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        self._try(self.file.seek, self.place)
+        got = self._try(self.file.readinto, view) or 0
+        view[got:] = bytes(len(view) - got)
+        self.place += len(view)
+        return len(view)
+
+    def truncate(self, size: int) -> int:
+        self._try(self.file.truncate, size)
+        self.end = size
+        return size
+
+    def flush(self) -> None:
+        pass
+
+    def _try(self, action: Callable[..., Any], *arguments: Any) -> Any:
+        if self.error is None:
+            try:
+                return action(*arguments)
+            except OSError as error:
+                self.error = error
+        return None
 
 
 def write_text(path: Path, text: str) -> None:

@@ -18,7 +18,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.atomic import replacing, reported
+from houle.output.atomic import new_hdf5, reported
 
 KEPT = 2
 FORMAT = 1
@@ -35,11 +35,11 @@ class Checkpoint:
 
 
 def save_checkpoint(directory: Path, step: int, state: Mapping[str, Any], meta: Mapping[str, Any]) -> Path:
-    """Write the file whole, then remove all but the newest two, and those of later steps (of a run that was cut back)."""
+    """Write the file whole, then remove all but the newest two, and those of later steps (the run was cut back)."""
     path = Path(directory) / f"checkpoint-{step}.h5"
     arrays = {name: np.asarray(value) for name, value in state.items()}
     text = json.dumps(dict(meta), sort_keys=True)
-    with replacing(path, durable=True) as temporary, h5py.File(temporary, "w") as file:
+    with new_hdf5(path, durable=True) as file:
         file.attrs.update(format=FORMAT, step=step, sha256=_digest(arrays, text))
         file["meta"] = text
         group = file.create_group("state")

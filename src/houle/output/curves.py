@@ -93,8 +93,8 @@ def draw_curves(panel: Axes, time: FloatArray, curves: Curves, unit: str) -> Non
     label_ends(panel, ends)
     factor = f"$10^{{{scale}}}$" if scale else ""
     panel.set_ylabel(f"[{factor} {unit}]".replace("[ ", "[").replace(" ]", "]") if factor or unit else "")
-    width = panel.get_position().width * panel.figure.get_size_inches()[0]
-    panel.yaxis.set_label_coords(0.2 / width - LEFT / width, 0.5)  # in line, however long the numbers are
+    width = panel.get_window_extent().width / panel.figure.dpi  # inches
+    panel.yaxis.set_label_coords((0.26 - LEFT) / width, 0.5)  # in line, however long the numbers are
 
 
 def _power_of_ten(largest: float) -> int:

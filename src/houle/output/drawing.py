@@ -89,7 +89,7 @@ class Sheet:
         """In the lower margin at the right, so many inches above the edge."""
         if not handles:
             return
-        width, height = self.figure.get_size_inches()
+        height = self.figure.get_size_inches()[1]
         edge = max(panel.get_position().x1 for panel in self.panels)
         self.figure.legend(
             handles=handles,
@@ -199,7 +199,7 @@ def draw_bodies(
         if words and body.words:
             x, z = body.outline[:, 0].mean(), body.outline[:, 1].max()
             halo = [withStroke(linewidth=2.0, foreground="white")]
-            look = {
+            look: Any = {
                 "ha": "center",
                 "va": "bottom",
                 "fontsize": 7.5,

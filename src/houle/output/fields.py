@@ -8,7 +8,6 @@ chunks as they are, then removes the folder. The cost is linear in the number of
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import os
 import shutil
@@ -21,7 +20,7 @@ import numpy as np
 
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
-from houle.output.atomic import OutputError, replacing, reported
+from houle.output.atomic import OutputError, reported
 from houle.output.surface import read_surface
 from houle.output.vtkhdf import (
     CELL_DATA,
@@ -55,21 +54,23 @@ class FieldsWriter:
                 shutil.rmtree(self.parts, ignore_errors=True)
             self._started = True
         target = self.parts / f"{len(self.frames):06d}.h5"
-        with replacing(target) as temporary:
-            stored = write_part(temporary, frame)
-        self.frames.append(dataclasses.replace(stored, path=target))
+        self.frames.append(write_part(target, frame))
         self._dirty = True
 
     def commit(self) -> None:
         """fields.vtkhdf shows every frame, by reference."""
         if self._dirty:
-            self._assemble(packed=False)
+            assemble(self.path, self.frames, self.grid, self.attributes, packed=False)
             self._dirty = False
 
     def close(self) -> None:
-        """fields.vtkhdf holds every frame and needs no other file."""
+        """fields.vtkhdf holds every frame and needs no other file. If there is no room, it goes on by reference."""
         if self.frames and self.parts.exists():
-            self._assemble(packed=True)
+            try:
+                assemble(self.path, self.frames, self.grid, self.attributes, packed=True)
+            except OutputError:
+                self.commit()
+                raise
             shutil.rmtree(self.parts, ignore_errors=True)
         self._dirty = False
 
@@ -86,14 +87,11 @@ class FieldsWriter:
                 itertools.chain.from_iterable(map(frames_in, self.parts.glob("[!.]*.h5"))), key=lambda f: f.time
             )
         self.frames = [frame for frame in stored if frame.time <= time * (1 + 1e-12)]
-        kept = {frame.path for frame in self.frames}
-        for path in {frame.path for frame in stored} - kept:
-            path.unlink()
-        self._dirty = True
-
-    def _assemble(self, *, packed: bool) -> None:
-        with replacing(self.path) as temporary:
-            assemble(temporary, self.frames, self.grid, self.attributes, packed=packed)
+        self._dirty = bool(self.frames)
+        self.commit()  # before the later ones go: the file must not point at what is not there
+        with reported(self.parts):
+            for path in {frame.path for frame in stored} - {frame.path for frame in self.frames}:
+                path.unlink()
 
 
 @dataclass(frozen=True)

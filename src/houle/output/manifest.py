@@ -59,7 +59,7 @@ def summarise(
     energy: Mapping[str, float],
     **more: Any,
 ) -> dict[str, Any]:
-    """The manifest with the outcome: simulated time [s], seconds in all and per operation, volume and energy budgets."""
+    """The manifest with the outcome: simulated time [s], seconds in all and per operation, budgets."""
     summary = {
         "time": time,
         "steps": steps,

@@ -10,12 +10,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
+import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from houle.fields import Field, find
-from houle.output.atomic import OutputError, replacing
+from houle.output.atomic import OutputError, Sink, replacing
 
 NAME = "series.nc"
 OBSERVED = {"eta": "gauge", "pressure": "sensor", "velocity": "sensor"}  # what is not a scalar of the ledger
@@ -112,15 +114,22 @@ def describe(field: Field, dimension: int) -> dict[str, str]:
 
 
 def write_dataset(path: Path, data: xr.Dataset) -> None:
-    """The whole file or nothing; missing values are NaN, coordinates have none."""
-    encoding: dict[Any, dict[str, Any]] = {}
-    for name, variable in data.variables.items():
-        if variable.dtype.kind == "f":
-            encoding[name] = {"_FillValue": None if name in data.coords else np.nan}
+    """netCDF-4, the whole file or nothing; missing values are NaN, coordinates have none."""
+    beside = " ".join(str(name) for name in data.coords if name not in data.dims)
+    with replacing(path) as temporary, Sink(temporary) as sink, h5netcdf.File(sink, "w") as file:
+        file.dimensions = {str(name): size for name, size in data.sizes.items()}
+        file.attrs.update(data.attrs)
+        for name, variable in data.variables.items():
+            words = variable.dtype.kind in "OU"
+            options: dict[str, Any] = {} if words or name in data.coords else {"fillvalue": np.nan}
             if variable.size > 1000:
-                encoding[name] |= {"zlib": True, "complevel": 1, "shuffle": True}
-    with replacing(path) as temporary:
-        data.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
+                options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+            dtype = h5py.string_dtype() if words else variable.dtype
+            values = variable.values.astype(object) if words else variable.values
+            stored = file.create_variable(str(name), variable.dims, dtype, data=values, **options)
+            stored.attrs.update(variable.attrs)
+            if beside and name not in data.coords:
+                stored.attrs["coordinates"] = beside
 
 
 def read_series(directory: Path) -> xr.Dataset:

@@ -1,10 +1,10 @@
 """The structure of fields.vtkhdf: particles and grid over time in one file that ParaView >= 6.0 opens, with h5py alone.
 
 VTKHDF 2.2 (docs.vtk.org, VTKHDF file format): a PartitionedDataSetCollection of two blocks with the same time steps,
-`particles` (PolyData, a vertex per particle) and `grid` (ImageData with cell data). It is the one arrangement in which a
-file holds both over time. Two turns are ours. A 2D run lies in the plane y = 0 and its grid is one cell thick and stands
-behind the particles: readers drop an empty axis of an image only when it is the last. A file of one step has no time
-axis in the image arrays: readers take such a file for a static one.
+`particles` (PolyData, a vertex per particle) and `grid` (ImageData with cell data). It is the one arrangement in
+which a file holds both over time. Two turns are ours. A 2D run lies in the plane y = 0 and its grid is one cell thick
+and stands behind the particles: readers drop an empty axis of an image only when it is the last. A file of one step
+has no time axis in the image arrays: readers take such a file for a static one.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from houle.fields import Field, at, find
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
+from houle.output.atomic import new_hdf5
 from houle.output.series import describe
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie
@@ -55,7 +56,7 @@ class Stored:
 def write_part(path: Path, frame: Frame) -> Stored:
     """One frame in a file of its own, float32 and compressed."""
     count = len(frame.volume)
-    with h5py.File(path, "w") as file:
+    with new_hdf5(path) as file:
         file.attrs.update(time=frame.time, step=frame.step, count=count)
         for name, values in _arrays(frame).items():
             _create(file, name, values.shape, values.dtype, 1)[...] = values
@@ -65,7 +66,7 @@ def write_part(path: Path, frame: Frame) -> Stored:
 def assemble(path: Path, frames: Sequence[Stored], grid: Grid, attributes: Mapping[str, Any], *, packed: bool) -> None:
     """The whole VTKHDF file: with the data (packed), or with virtual datasets that show it in the folder PARTS."""
     starts = _starts(frames)
-    with h5py.File(path, "w") as file:
+    with new_hdf5(path) as file:
         file.attrs.update(attributes)
         file.attrs.update(packed=packed, shape=grid.shape, spacing=grid.spacing, step=[f.step for f in frames])
         root = file.create_group("VTKHDF", track_order=True)

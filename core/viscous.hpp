@@ -1,0 +1,89 @@
+// Viscous acceleration on the faces of the grid, with an optional Smagorinsky eddy viscosity.
+#pragma once
+
+#include "cells.hpp"
+
+namespace houle {
+
+// Strain rate |S| = sqrt(2 S_ab S_ab) at cell centres -> nu (cells) = molecular + (C_s Delta)^2 |S| (Smagorinsky 1963).
+template <int D>
+inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double constant, double* nu) {
+  const double filter = constant * std::pow(g.cell_volume(), 1.0 / D);
+  parallel_for(g.cells(), [=](index c) {
+    const auto i = Grid<D>::unflat(c, g.shape);
+    double sum = 0.0;
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) {
+        double slope[2];  // du_a/dx_b and du_b/dx_a
+        for (int q = 0; q < 2; ++q) {
+          const int of = q ? b : a, along = q ? a : b;
+          const auto stride = Grid<D>::strides(g.face_shape(of));
+          auto lo = i, hi = i;
+          double span = g.h[along];
+          if (of == along) {
+            hi[of] += 1;
+            slope[q] = (u[of][Grid<D>::flat(hi, stride)] - u[of][Grid<D>::flat(lo, stride)]) / span;
+            continue;
+          }
+          lo[along] = g.periodic[along] ? (i[along] - 1 + g.shape[along]) % g.shape[along] : std::max<index>(i[along] - 1, 0);
+          hi[along] = g.periodic[along] ? (i[along] + 1) % g.shape[along] : std::min(i[along] + 1, g.shape[along] - 1);
+          span *= g.periodic[along] ? 2.0 : static_cast<double>(hi[along] - lo[along]);
+          if (span <= 0.0) {
+            slope[q] = 0.0;
+            continue;
+          }
+          const index up = stride[of];
+          const index l = Grid<D>::flat(lo, stride), h = Grid<D>::flat(hi, stride);
+          slope[q] = 0.5 * (u[of][h] + u[of][h + up] - u[of][l] - u[of][l + up]) / span;
+        }
+        const double s = 0.5 * (slope[0] + slope[1]);
+        sum += 2.0 * s * s;
+      }
+    nu[c] = molecular + filter * filter * std::sqrt(sum);
+  });
+}
+
+// acceleration = nu lap(u_d) / n on the faces (13), second order, zero gradient towards empty faces.
+// no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water (ghost value -u), else it slips.
+// nu (cells), porosity (cells, null: 1), mass (faces) and the least mass of a face that holds water.
+template <int D>
+inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least,
+                                 const double* nu, const double* porosity, const bool* no_slip, Faces<D> out) {
+  std::array<bool, 2 * D> hold;
+  for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
+  const auto cell_stride = Grid<D>::strides(g.shape);
+  for (int a = 0; a < D; ++a) {
+    const auto shape = g.face_shape(a);
+    const auto stride = Grid<D>::strides(shape);
+    const double *v = u[a], *m = mass[a];
+    double* o = out[a];
+    parallel_for(g.faces(a), [=](index f) {
+      o[f] = 0.0;
+      if (m[f] <= least) return;
+      const auto i = Grid<D>::unflat(f, shape);
+      if (!g.periodic[a] && (i[a] == 0 || i[a] == g.shape[a])) return;
+      double laplacian = 0.0;
+      for (int b = 0; b < D; ++b)
+        for (int s = 0; s < 2; ++s) {
+          index j = i[b] + (s ? 1 : -1);
+          if (g.periodic[b]) j = (j + g.shape[b]) % g.shape[b];
+          if (j < 0 || j >= shape[b]) {  // a wall along which this component runs
+            if (hold[2 * b + s]) laplacian -= 2.0 * v[f] / (g.h[b] * g.h[b]);
+            continue;
+          }
+          const index n = f + (j - i[b]) * stride[b];
+          if (m[n] > least || (b == a && !g.periodic[a] && (j == 0 || j == g.shape[a])))
+            laplacian += (v[n] - v[f]) / (g.h[b] * g.h[b]);
+        }
+      auto low = i;
+      low[a] = g.periodic[a] ? (i[a] - 1 + g.shape[a]) % g.shape[a] : i[a] - 1;
+      auto high = i;
+      high[a] = i[a] % g.shape[a];
+      const index cl = Grid<D>::flat(low, cell_stride), ch = Grid<D>::flat(high, cell_stride);
+      const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
+      o[f] = 0.5 * (nu[cl] + nu[ch]) * laplacian / n;
+    });
+  }
+}
+
+}  // namespace houle

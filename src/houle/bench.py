@@ -1,0 +1,215 @@
+"""`houle bench`: how fast this machine steps, operation by operation, beside the memory bandwidth it has.
+
+Every measurement runs in a process of its own, so that threads, memory and caches are not those of the one before:
+
+    python -m houle.bench '{"case": "dam-break-rock-35", "overrides": {}, "threads": 1, "warm": 20, "steps": 200}'
+
+prints one line of JSON (`Measured`). The triad a = b + s c is measured by the same process right after the steps.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from time import perf_counter, process_time
+from typing import Any
+
+DOUBLE = 8  # bytes
+TRIAD_LENGTH = 1 << 23  # doubles per array: 64 MB, more than caches hold
+TRIAD_BLOCK = 1 << 16  # doubles per block: few enough to stay in a cache, enough to forget the interpreter
+
+
+@dataclass(frozen=True)
+class Job:
+    """What to measure: `steps` steps of a case after `warm` others."""
+
+    title: str
+    case: str
+    overrides: dict[str, Any]
+    warm: int
+    steps: int
+
+
+JOBS = (Job("2D, dam break through rock, spacing 5 mm", "dam-break-rock-35", {"domain.spacing": 0.005}, 40, 200),)
+LARGE = (
+    Job("2D, the same at 0.67 mm", "dam-break-rock-35", {"domain.spacing": 0.00067}, 5, 20),
+    Job("3D, dam break on a block (SPHERIC 2)", "spheric-2", {"domain.spacing": 0.0175}, 5, 20),
+)
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Seconds of `steps` steps: wall, CPU, and wall per operation; peak memory [bytes] above that of the program."""
+
+    threads: int
+    dimension: int
+    particles: int
+    cells: int
+    steps: int
+    wall: float
+    cpu: float
+    operations: dict[str, float]
+    iterations: tuple[float, float]  # of the pressure and of the correction solver, mean per step
+    memory: float | None  # None where the system does not tell
+    triad: float  # [bytes/s]
+
+    def microseconds(self, operation: str | None = None) -> float:
+        """Wall time per particle and step, in all or of one operation."""
+        seconds = self.wall if operation is None else self.operations.get(operation, 0.0)
+        return 1e6 * seconds / (self.steps * self.particles)
+
+    @property
+    def traffic(self) -> float:
+        """Estimated memory traffic [bytes/s], see least_traffic."""
+        return self.steps * least_traffic(self.dimension, self.particles, self.cells, self.iterations) / self.wall
+
+
+def bench(threads: int | None = None, large: bool = False) -> list[list[Measured]]:
+    """Measures on 1 and on `threads` threads (all cores if not given), prints a table per job, returns the numbers."""
+    import os
+
+    from rich.console import Console
+
+    console, most = Console(), threads or os.cpu_count() or 1
+    found = []
+    for job in JOBS + (LARGE if large else ()):
+        rows = []
+        for count in dict.fromkeys((1, most)):
+            with console.status(f"{job.title}: {count} thread{'s' if count > 1 else ''}"):
+                rows.append(measure_apart(job, count))
+        show(job, rows, console)
+        found.append(rows)
+    if not large:
+        console.print("A million particles in 2D and 3D: houle bench --large", highlight=False)
+    return found
+
+
+def show(job: Job, rows: Sequence[Measured], console: Any) -> None:
+    """A table: microseconds per particle and step by operation, memory, bandwidth; a column per measurement."""
+    from rich.table import Table
+
+    first, last = rows[0], rows[-1]
+    title = f"{job.title}: {first.particles} particles, {first.cells} cells, {first.steps} steps"
+    table = Table(title=title, title_justify="left")
+    table.add_column("us per particle and step")
+    for row in rows:
+        table.add_column(f"{row.threads} thread{'s' if row.threads > 1 else ''}", justify="right")
+    table.add_column("faster", justify="right")
+    for name in sorted(first.operations, key=first.microseconds, reverse=True):
+        values = [row.microseconds(name) for row in rows]
+        table.add_row(name, *(f"{v:.3f}" for v in values), ratio(values[0], values[-1]))
+    table.add_section()
+    table.add_row("a step", *(f"{row.microseconds():.3f}" for row in rows), ratio(first.wall, last.wall))
+    table.add_row("CPU time of a step", *(f"{1e6 * row.cpu / row.steps / row.particles:.3f}" for row in rows), "")
+    table.add_row("steps per second", *(f"{row.steps / row.wall:.3g}" for row in rows), "")
+    for name, k in (("iterations, pressure", 0), ("iterations, correction", 1)):
+        table.add_row(name, *(f"{row.iterations[k]:.1f}" for row in rows), "")
+    memory = ["-" if row.memory is None else f"{row.memory / row.particles:.0f}" for row in rows]
+    table.add_row("bytes of memory per particle", *memory, "")
+    table.add_row("memory traffic, at least [GB/s]", *(f"{row.traffic / 1e9:.1f}" for row in rows), "")
+    table.add_row("triad in the same process [GB/s]", *(f"{row.triad / 1e9:.1f}" for row in rows), "")
+    console.print(table, "")
+
+
+def ratio(one: float, many: float) -> str:
+    return f"{one / many:.2f} x" if many > 0 else "-"
+
+
+def measure_apart(job: Job, threads: int) -> Measured:
+    """measure() in a process of its own."""
+    order = {k: v for k, v in asdict(job).items() if k != "title"} | {"threads": threads}
+    command = [sys.executable, "-m", "houle.bench", json.dumps(order)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    data = json.loads(done.stdout.splitlines()[-1])
+    return Measured(**{**data, "iterations": tuple(data["iterations"])})
+
+
+def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps: int) -> Measured:
+    """Steps of a case in this process, nothing written."""
+    import numpy as np
+
+    from houle.case import load
+    from houle.simulation import Simulation
+
+    loaded = load(case, overrides)
+    before = peak_memory()
+    simulation = Simulation(loaded, threads)
+    for _ in range(warm):
+        simulation.advance(loaded.time.end)
+    timings, wall, cpu = dict(simulation.timings), perf_counter(), process_time()
+    iterations = []
+    for _ in range(steps):
+        simulation.advance(loaded.time.end)
+        notes = simulation.ledger.notes
+        iterations.append([notes.get("pressure_iterations", 0.0), notes.get("correction_iterations", 0.0)])
+    wall, cpu, after = perf_counter() - wall, process_time() - cpu, peak_memory()
+    mean = np.mean(iterations, axis=0)
+    return Measured(
+        threads=threads,
+        dimension=loaded.dimension,
+        particles=len(simulation.particles),
+        cells=int(np.prod(simulation.grid.shape)),
+        steps=steps,
+        wall=wall,
+        cpu=cpu,
+        operations={k: v - timings.get(k, 0.0) for k, v in simulation.timings.items()},
+        iterations=(float(mean[0]), float(mean[1])),
+        memory=None if before is None or after is None else after - before,
+        triad=triad(threads),
+    )
+
+
+def least_traffic(dimension: int, particles: int, cells: int, iterations: tuple[float, float]) -> float:
+    """Bytes that a step moves if caches are perfect inside each pass over an array and hold nothing between passes.
+
+    Doubles per particle: reading position, velocity and volume is one pass (2 d + 1). Sorting takes three (read, write,
+    and the index), the four transfers and surface searches one each, moving and displacing the position two each.
+    Doubles per cell: an iteration of the solver goes 4 times over coefficients, unknown and right side (d + 3) on the
+    finest level and its multigrid on all levels costs 1/(1 - 2^-d) of that; the other operations pass some 12 (d + 1).
+    """
+    d, everything = dimension, 2 * dimension + 1
+    per_particle = 7 * everything + 4 * d
+    per_iteration = 4 * (d + 3) / (1 - 0.5**d)
+    return DOUBLE * (particles * per_particle + cells * (sum(iterations) * per_iteration + 12 * (d + 1)))
+
+
+def triad(threads: int, length: int = TRIAD_LENGTH, repeats: int = 5) -> float:
+    """Bytes per second of a = b + s c on arrays larger than the caches, best of some repeats, 3 doubles per entry.
+
+    In blocks, so that the product, which NumPy needs a pass of its own for, does not leave the cache.
+    """
+    import numpy as np
+
+    a, b, c = np.zeros(length), np.ones(length), np.full(length, 2.0)
+
+    def part(index: int) -> None:
+        for begin in range(index * length // threads, (index + 1) * length // threads, TRIAD_BLOCK):
+            block = slice(begin, min(begin + TRIAD_BLOCK, (index + 1) * length // threads))
+            np.multiply(c[block], 3.0, out=a[block])
+            np.add(a[block], b[block], out=a[block])
+
+    best = float("inf")
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in range(repeats):
+            begin = perf_counter()
+            list(pool.map(part, range(threads)))
+            best = min(best, perf_counter() - begin)
+    return 3 * DOUBLE * length / best
+
+
+def peak_memory() -> float | None:
+    """Largest resident memory of this process so far [bytes]; None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    unit = 1 if sys.platform == "darwin" else 1024
+    return float(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit)
+
+
+if __name__ == "__main__":
+    print(json.dumps(asdict(measure(**json.loads(sys.argv[1])))))

@@ -1,0 +1,153 @@
+"""The operations of a time step, each on the whole flow: orchestration of the core, in the vocabulary of step.py."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from houle import _core
+from houle.errors import SimulationError
+from houle.flow import SPRAY, Flow
+from houle.grid import FloatArray
+from houle.ledger import Ledger
+from houle.transfer import Transfer
+
+LEAST_THETA = 0.05  # least distance of the surface from a cell centre, in cells (pressure)
+LEAST_THETA_CORRECTION = 0.2
+FULL_CORRECTION = 0.25  # Courant number of a step from which on the whole share of the correction is applied
+MOST_SHIFT = 0.1  # cells a correction may move a particle
+
+
+def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
+    """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
+    p = flow.particles
+    _core.cell_sort(flow.grid.core, p.position, flow.cell, flow.order, flow.start)
+    p.position, p.velocity, p.volume = p.position[flow.order], p.velocity[flow.order], p.volume[flow.order]
+    for name, values in transfer.arrays.items():
+        transfer.arrays[name] = values[flow.order]
+    flow.sample_medium()
+    return tuple(values[flow.order] for values in more)
+
+
+def find_surface(flow: Flow) -> None:
+    """Fill fraction of the pores of every cell; depth below the free surface; cells under water.
+
+    Valid for particles moved by up to two cells since they were sorted.
+    """
+    core, position = flow.grid.core, flow.particles.position
+    _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill)
+    flow.fill *= flow.inverse_tent_volume
+    _core.column_heights(core, flow.start, position, flow.bulk, flow.height)
+    _core.find_surface(
+        core, flow.fill, flow.medium.open_cells, flow.height, flow.columns, flow.depth, flow.active, flow.column,
+        flow.eta,
+    )  # fmt: skip
+
+
+def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
+    """Viscous acceleration of the faces, with the eddy viscosity if there is one."""
+    if flow.viscosity == 0.0 and flow.smagorinsky == 0.0:
+        return
+    core, m = flow.grid.core, flow.medium
+    if flow.smagorinsky > 0.0:
+        _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
+    flow.extra = flow.acceleration
+    _core.viscous_acceleration(
+        core, flow.velocity, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.nu,
+        m.porosity if flow.porous else None, flow.no_slip, flow.extra,
+    )  # fmt: skip
+    parts = zip(flow.face_mass, flow.velocity, flow.extra, strict=True)
+    ledger.viscous_work -= dt * sum(float(np.vdot(m_f * u, f)) for m_f, u, f in parts)
+
+
+def apply_forces(flow: Flow, dt: float) -> None:
+    """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
+    m = flow.medium
+    resistance = (m.inertia, m.darcy, m.forchheimer, m.inverse_n2) if flow.porous else ([], [], [], None)
+    flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
+    _core.apply_forces(
+        flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
+        flow.velocity, flow.drag, flow.mobility, flow.resisted,
+    )  # fmt: skip
+
+
+def project(flow: Flow, dt: float, ledger: Ledger) -> None:
+    """Pressure that makes div u_d = 0 in the water with p = 0 on its surface; velocity carried on into the air."""
+    core, tolerance = flow.grid.core, flow.tolerance / dt
+    system = (flow.coefficient, flow.dirichlet, flow.rhs)
+    _core.pressure_system(
+        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.velocity, LEAST_THETA, *system
+    )
+    flow.solver.setup(flow.active, flow.coefficient, flow.dirichlet)
+    iterations, residual = flow.solver.solve(flow.rhs, flow.pressure, tolerance, 200)[:2]
+    ledger.note(pressure_iterations=iterations, divergence=residual * dt)
+    if not residual <= tolerance:
+        place = np.unravel_index(np.nanargmax(np.abs(flow.rhs)), flow.grid.shape)
+        raise SimulationError(
+            f"the pressure did not converge: max |div u_d| dt = {residual * dt:.2e}, wanted {flow.tolerance:.2e}",
+            place=tuple((i + 0.5) * h for i, h in zip(place, flow.grid.spacing, strict=True)),
+            diagnosis="The projection leaves more divergence than numerics.tolerance allows. A tolerance near round-off "
+            "(1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
+        )
+    _core.project(
+        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_THETA,
+        flow.velocity, flow.valid,
+    )  # fmt: skip
+    _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
+    _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
+    if flow.porous:
+        parts = zip(
+            flow.face_mass, flow.medium.inertia, flow.resisted, flow.old_velocity, flow.velocity, strict=True
+        )
+        ledger.drag_work += sum(_core.face_drag_work(*part) for part in parts)
+
+
+def move(flow: Flow, dt: float) -> None:
+    """Particles along the pore velocity of the grid, midpoint rule."""
+    _core.move(
+        flow.grid.core, flow.velocity, flow.medium.porosity if flow.porous else None, flow.medium.solid_distance,
+        flow.gates, dt, flow.particles.position,
+    )  # fmt: skip
+
+
+def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
+    """Particles from `start` with velocities of their own."""
+    position = flow.particles.position
+    _core.drift(
+        flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position
+    )
+
+
+def correct_positions(flow: Flow, share: float, dt: float, ledger: Ledger) -> None:
+    """Moves particles from overfull to underfull cells: a second projection, of positions (Kugelstadt et al. 2019).
+
+    Disorder is made by moving, so a step that moves little corrects little: the share grows with the Courant number up
+    to `share`. The velocity is left as it is.
+    """
+    courant = float(np.max(flow.max_pore_speed() / flow.grid.spacing)) * dt
+    share *= min(1.0, courant / FULL_CORRECTION)
+    if share == 0.0:
+        return
+    g, m = flow.grid, flow.medium
+    porosity = m.porosity if flow.porous else None
+    find_surface(flow)
+    _core.pressure_system(
+        g.core, flow.active, flow.depth, flow.open_faces, [], [], LEAST_THETA_CORRECTION,
+        flow.coefficient, flow.dirichlet, flow.rhs,
+    )  # fmt: skip
+    _core.density_excess(
+        g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, flow.rhs
+    )
+    flow.solver.setup(flow.active, flow.coefficient, flow.dirichlet)
+    largest = float(np.abs(flow.rhs).max())
+    iterations = flow.solver.solve(flow.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
+    ledger.note(correction_iterations=iterations)
+    for f in flow.face_work:
+        f[...] = 0.0
+    _core.project(
+        g.core, flow.active, flow.depth, flow.open_faces, [], flow.psi, LEAST_THETA_CORRECTION,
+        flow.face_work, flow.valid,
+    )  # fmt: skip
+    _core.extrapolate(g.core, 3, 3, [], 0.0, flow.face_work, flow.valid)
+    _core.displace(
+        g.core, flow.face_work, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position, flow.shift
+    )

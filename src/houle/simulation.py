@@ -1,0 +1,256 @@
+"""A case in motion: builds the flow from the case, chooses the time step, advances, and answers what is where.
+
+`advance` takes one step; what it does is in step.py. Steps are shortened only to land on the stop it is given.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from houle import _core
+from houle.case import Case, Porous
+from houle.errors import SimulationError
+from houle.flow import Flow
+from houle.frame import Frame
+from houle.geometry import shape_of
+from houle.grid import FloatArray
+from houle.ledger import OPERATIONS, Ledger
+from houle.observe import at_points, levels_at
+from houle.particles import Particles
+from houle.porous import Medium, PorousBody
+from houle.remesh import STRATEGIES
+from houle.resistance import coefficients, inertia_coefficient
+from houle.seeding import seed
+from houle.remeshing import Remeshing
+from houle.step import STEPS
+from houle.transfer import make
+
+
+class Simulation:
+    """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation."""
+
+    def __init__(self, case: Case, threads: int | None = None) -> None:
+        if threads:
+            _core.set_threads(threads)
+        self.case, self.grid = case, case.domain.grid
+        d, numerics = self.grid.dimension, case.numerics
+        bodies = [_porous_body(b, d, case.fluid.viscosity) for b in case.porous]
+        self.medium = Medium.build(self.grid, bodies, [shape_of(s, d) for s in case.solid])
+        water = seed(self.grid, self.medium, [shape_of(w, d) for w in case.water])
+        self.flow = Flow(
+            self.grid, self.medium, water, gravity=case.acceleration, kernel=numerics.kernel, tolerance=numerics.tolerance,
+            viscosity=case.fluid.viscosity, smagorinsky=case.fluid.smagorinsky,
+            no_slip=case.domain.walls.no_slip(d),
+        )  # fmt: skip
+        remesher = STRATEGIES[numerics.remesh](self.grid, self.medium.body)
+        transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
+        remeshing = Remeshing(remesher, numerics.remesh_every)
+        self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
+        self.flow.sample_medium()
+        self.ledger = Ledger(self.flow)
+        self.time, self.steps = 0.0, 0
+        self.step_size = 0.0
+        self._place_gates()
+
+    @property
+    def particles(self) -> Particles:
+        return self.flow.particles
+
+    @property
+    def timings(self) -> dict[str, float]:
+        return self.ledger.seconds
+
+    # ---- marching ------------------------------------------------------------------------------------------------
+
+    def advance(self, stop: float) -> None:
+        """One time step, never past `stop` [s]; the last step to it is as long as those before."""
+        remaining = stop - self.time
+        count = max(1, math.ceil(remaining / self._largest_step() - 1e-9))
+        self.step_size = remaining / count
+        self._place_gates()
+        self.ledger.open()
+        try:
+            self.step.advance(self.flow, self.step_size, self.ledger)
+            self.time = stop if count == 1 else self.time + self.step_size
+            self.steps += 1
+            self._check()
+        except SimulationError as error:
+            error.step, error.time = self.steps, self.time
+            error.worst = error.worst or self._worst()
+            raise
+
+    def _largest_step(self) -> float:
+        """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold."""
+        case, spacing = self.case.time, np.array(self.grid.spacing)
+        speed = self.flow.max_pore_speed()
+        gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
+        if case.step is not None:
+            courant = float(np.max(speed / spacing)) * case.step
+            if courant > 1.0:
+                raise SimulationError(
+                    f"time.step = {case.step:g} s is too long: the fastest particle, {speed.max():.3g} m/s, crosses "
+                    f"{courant:.2f} cells in a step, at most 1. Leave step out and give courant, or halve the step.",
+                    diagnosis="The fixed time step is longer than the flow allows.",
+                )
+            return case.step
+        fastest = float(np.max(speed / spacing, initial=1e-300))
+        return case.courant * min(1.0 / fastest, math.sqrt(float(spacing[-1]) / gravity))
+
+    def _place_gates(self) -> None:
+        """Closes the faces that the gates cover at the present time."""
+        flow, gates = self.flow, self.case.gate
+        if not gates:
+            return
+        h, up = self.grid.spacing, self.grid.dimension - 1
+        flow.open_faces[0][...] = self.medium.open_faces[0]
+        rows = []
+        for gate in gates:
+            face = round(gate.x / h[0])
+            bottom = max(0.0, (self.time - gate.start) * gate.speed)
+            free = np.clip(bottom / h[up] - np.arange(self.grid.shape[up]), 0.0, 1.0)
+            flow.open_faces[0][face] *= np.where(free > 1e-3, free, 0.0)
+            rows.append((face * h[0], bottom))
+        flow.gates = np.array(rows)
+
+    def _check(self) -> None:
+        """Stops a run that is no longer a flow."""
+        p, ledger = self.particles, self.ledger
+        if not np.isfinite(p.velocity).all() or not np.isfinite(p.position).all():
+            raise SimulationError(
+                "the velocity is no longer a number", diagnosis="A particle velocity became infinite or not a number."
+            )
+        drift = p.total_volume / ledger.volume0 - 1.0
+        if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":
+            raise SimulationError(
+                f"water was lost: the volume has changed by {drift:.2e} of itself",
+                diagnosis="The volume carried by the particles is conserved to round-off; a change is a fault.",
+            )
+
+    def _worst(self, count: int = 20) -> list[dict]:
+        """The fastest particles, for the bundle."""
+        p = self.particles
+        speed = np.sqrt((p.velocity**2).sum(axis=1))
+        order = np.argsort(np.where(np.isfinite(speed), -speed, -np.inf))[:count]
+        return [
+            {"position": p.position[i].tolist(), "velocity": p.velocity[i].tolist(), "volume": float(p.volume[i])}
+            for i in order
+        ]
+
+    # ---- observing -----------------------------------------------------------------------------------------------
+
+    def sample(self) -> dict[str, FloatArray]:
+        """Gauges, sensors and the ledger now; names and units in fields.py."""
+        case, flow = self.case, self.flow
+        sensors = np.array([s.at for s in case.sensor]).reshape(-1, self.grid.dimension)
+        pressure, velocity = at_points(flow, sensors)
+        return {
+            "eta": levels_at(flow, [(g.x,) if g.y is None else (g.x, g.y) for g in case.gauge]),
+            "pressure": case.fluid.density * pressure,
+            "velocity": velocity,
+            **self._ledger_row(),
+        }
+
+    def _ledger_row(self) -> dict[str, FloatArray]:
+        flow, ledger, rho = self.flow, self.ledger, self.case.fluid.density
+        p, speed = flow.particles, flow.max_pore_speed()
+        volume = p.total_volume
+        row = {
+            "volume": volume,
+            "volume_drift": volume / ledger.volume0 - 1.0 if ledger.volume0 > 0 else 0.0,
+            "mean_level": float(np.nansum(flow.eta) / max(1, np.count_nonzero(np.isfinite(flow.eta)))),
+            "kinetic_energy": rho * flow.kinetic_energy(),
+            "potential_energy": rho * flow.potential_energy(),
+            "drag_work": rho * ledger.drag_work,
+            "viscous_work": rho * ledger.viscous_work,
+            "max_speed": float(speed.max()),
+            "courant": float(np.max(speed / self.grid.spacing)) * self.step_size,
+            "step_size": self.step_size,
+            "particles": float(len(p)),
+        }
+        axes = "xz" if self.grid.dimension == 2 else "xyz"
+        for a, axis in enumerate(axes):
+            row[f"momentum_{axis}"] = rho * _core.weighted_sum(flow.bulk, p.velocity, a)
+        for name in OPERATIONS:
+            row[f"energy_{name}"] = rho * ledger.energy[name]
+        for name in ("divergence", "pressure_iterations", "correction_iterations"):
+            row[name] = float(ledger.notes.get(name, 0.0))
+        return {k: np.asarray(v, float) for k, v in row.items()}
+
+    def frame(self) -> Frame:
+        """Everything the writers and the pictures need of this instant, as copies."""
+        flow, p, rho = self.flow, self.particles, self.case.fluid.density
+        flow.sample_medium()
+        pressure, _ = at_points(flow, p.position)
+        centre = [0.5 * (np.delete(u, 0, axis=a) + np.delete(u, -1, axis=a)) for a, u in enumerate(flow.velocity)]
+        wet = flow.fill > 1e-3
+        return Frame(
+            time=self.time,
+            step=self.steps,
+            position=p.position.copy(),
+            velocity=p.velocity / flow.porosity[:, None],
+            volume=p.volume.copy(),
+            porosity=flow.porosity.copy(),
+            pressure=rho * pressure,
+            cell_pressure=rho * flow.pressure,
+            cell_fill=flow.fill.copy(),
+            cell_velocity=np.where(wet[..., None], np.stack(centre, axis=-1), 0.0),
+            cell_porosity=self.medium.porosity.copy(),
+            eta=flow.eta.copy(),
+        )
+
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
+
+    def state(self) -> dict[str, FloatArray]:
+        """Everything the next step depends on."""
+        flow, p, ledger = self.flow, self.particles, self.ledger
+        return {
+            "time": np.array(self.time),
+            "steps": np.array(self.steps),
+            "remesh_count": np.array(self.step.remeshing.count),
+            "step_size": np.array(self.step_size),
+            "position": p.position,
+            "velocity": p.velocity,
+            "volume": p.volume,
+            "pressure": flow.pressure,
+            "psi": flow.psi,
+            "volume0": np.array(ledger.volume0),
+            "drag_work": np.array(ledger.drag_work),
+            "viscous_work": np.array(ledger.viscous_work),
+            **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
+            **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
+            **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
+            **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
+        }
+
+    def restore(self, state: dict[str, FloatArray]) -> None:
+        """Goes on from a state() of the same case, bitwise as if it had never stopped."""
+        flow, ledger = self.flow, self.ledger
+        self.time, self.steps = float(state["time"]), int(state["steps"])
+        self.step_size = float(state["step_size"])
+        self.step.remeshing.count = int(state["remesh_count"])
+        names = ("position", "velocity", "volume")
+        flow.particles = Particles(*(np.array(state[n], dtype=float, order="C") for n in names))
+        flow.refresh_particles()
+        flow.sample_medium()
+        flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
+        for a, u in enumerate(flow.velocity):
+            u[...] = state[f"face_velocity.{a}"]
+        ledger.volume0 = float(state["volume0"])
+        ledger.drag_work, ledger.viscous_work = float(state["drag_work"]), float(state["viscous_work"])
+        for key, value in state.items():
+            kind, _, name = key.partition(".")
+            if kind == "energy":
+                ledger.energy[name] = float(value)
+            elif kind == "notes":
+                ledger.notes[name] = float(value)
+            elif kind == "transfer":
+                self.step.transfer.arrays[name] = np.array(value)
+        self._place_gates()
+
+
+def _porous_body(entry: Porous, dimension: int, viscosity: float) -> PorousBody:
+    a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity)
+    inertia = inertia_coefficient(entry.porosity, entry.added_mass)
+    return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia)
