@@ -3,10 +3,10 @@
 // The weights are the tensor product of Monaghan's M4' (the paper's eq. (7)): they sum to 1 and their first and second
 // moments are exact, so in full water the new particles sit on the nodes and volume, momentum V u_d, first and second
 // moments of volume are those of the old ones. A particle that does not see all its nodes (free surface, porous
-// interface, solid) gives to those it sees, and hands on with its volume the distance from the centre of what it gave
-// to itself; this moves the receiving particles off their nodes by a fraction of the lattice spacing. So volume,
-// momentum and centre of volume are conserved everywhere, and with it the potential energy. Nodes nearly empty are
-// merged.
+// interface, solid) gives to those it sees; in front of a wall, to the mirror images of those behind. There the centre
+// of what it gives is not where it was: it hands on the difference with its volume, and this moves the receiving
+// particles off their nodes by a fraction of the spacing. So volume, momentum and centre of volume are conserved
+// everywhere, and with them the potential energy. Nodes left nearly empty are merged with a neighbour.
 #pragma once
 
 #include <array>
@@ -52,8 +52,6 @@ struct LatticeStencil {  // the 4^D nodes around a particle: per axis their plac
   index at[D][4];
   double w[D][4], reach[D][4];
 
-  // A node behind a wall is its mirror image. Its distance counts as that of the image in plan, so that the lattice
-  // stays regular at side walls, and as that of the node itself on the last axis, so that no water is lifted.
   LatticeStencil(const Lattice<D>& l, const double* x) {
     for (int a = 0; a < D; ++a) {
       const double s = l.scaled(a, x[a]) - 0.5, base = std::floor(s);
@@ -61,7 +59,7 @@ struct LatticeStencil {  // the 4^D nodes around a particle: per axis their plac
       for (int k = 0; k < 4; ++k) {
         const index i = static_cast<index>(base) + k - 1, inside = l.fold(a, i);
         at[a][k] = inside * l.stride[a];
-        reach[a][k] = (static_cast<double>(a == D - 1 && !l.periodic[a] ? inside : i) - s) * l.h[a];
+        reach[a][k] = (static_cast<double>(l.periodic[a] ? i : inside) - s) * l.h[a];
       }
     }
   }

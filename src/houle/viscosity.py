@@ -1,0 +1,104 @@
+"""Viscous forces between particles, after the paper's eq. (3), with molecular and eddy viscosity.
+
+    a_i = K sum_j nu_ij ((u_j - u_i) . r / |r|^2) grad_i W(x_i - x_j) B_j,    K = 2 (d + 2),  B = V/n
+
+Expanding u to second order shows that for constant nu the sum is lap(u) + 2 grad(div u), the Laplacian only where
+div u = 0, and for smooth nu div(nu (grad u + grad u^T)) + grad(nu div u), with either mean of nu. The arithmetic mean
+is used: the harmonic one, made for jumps between two fluids, lets an eddy viscosity that vanishes at a particle cut the
+particle off. Each pair pulls along the line between the particles, so angular momentum is kept as well as momentum.
+
+Near a free surface the sum sees only the water: no stress acts across the surface. At a slip wall the mirror images
+make the shear vanish, at a no-slip wall the velocity; both from images with the velocity reversed, its normal component
+or all of it.
+
+References: Monaghan & Gingold 1983, J. Comput. Phys. 52, 374 (the operator); Espanol & Revenga 2003, Phys. Rev. E 67,
+026705 (its continuum limit); Wendland 1995, Adv. Comput. Math. 4, 389 (kernel); Smagorinsky 1963, Mon. Weather Rev. 91,
+99; Randles & Libersky 1996, Comput. Methods Appl. Mech. Eng. 139, 375 (corrected gradient).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle import _core
+from houle.grid import FloatArray, Grid
+
+# integral of -W'(r)/r, times radius^2: what the diagonal of the viscous operator is made of
+KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """Sums over neighbours with one kernel. Particles must be sorted by cell: cell_start (cells + 1,) int64, C order.
+
+    walls: "slip" or "no-slip" for the lower and the upper side of each axis in turn (ignored on periodic axes).
+    radius: of the kernel's support [m]. For particles on the lattice the sums fall short of the integrals: with 2 grid
+    spacings the density sum by 0.1 % and the viscous term by 4 % (2D; 2 % in 3D), with 3 by 0.02 % and 1 % (0.3 %).
+    bulk (N,): V/n [m^d] at the particles.
+    """
+
+    grid: Grid
+    walls: tuple[str, ...]
+    radius: float
+    kernel: str = "wendland"
+
+    def density_sum(self, position: FloatArray, cell_start: NDArray[np.int64], bulk: FloatArray) -> FloatArray:
+        """(N,) sum_j B_j W(x_i - x_j) [-]: the paper's eq. (14) over n rho.
+
+        1 in full water, up to the walls; about 1/2 at a flat free surface.
+        """
+        out = np.empty(len(position))
+        _core.sph_density_sum(self.grid.core, self.walls, self.kernel, self.radius, position, cell_start, bulk, out)
+        return out
+
+    def velocity_gradient(
+        self, position: FloatArray, cell_start: NDArray[np.int64], velocity: FloatArray, bulk: FloatArray
+    ) -> FloatArray:
+        """(N, d, d) du_a/dx_b [1/s], exact for linear fields, at the surface too; zero where neighbours are too few."""
+        d = self.grid.dimension
+        out = np.empty((len(position), d, d))
+        _core.sph_velocity_gradient(self.grid.core, self.kernel, self.radius, position, cell_start, velocity, bulk, out)
+        return out
+
+    def eddy_viscosity(
+        self,
+        position: FloatArray,
+        cell_start: NDArray[np.int64],
+        velocity: FloatArray,
+        bulk: FloatArray,
+        smagorinsky: float,
+    ) -> FloatArray:
+        """(N,) nu_t = (C_s dx)^2 |S| [m2/s], |S| = sqrt(2 S:S), dx the geometric mean grid spacing."""
+        gradient = self.velocity_gradient(position, cell_start, velocity, bulk)
+        strain = 0.5 * (gradient + np.swapaxes(gradient, 1, 2))
+        length = smagorinsky * self.grid.cell_volume ** (1 / self.grid.dimension)
+        return length**2 * np.sqrt(2.0 * np.einsum("nab,nab->n", strain, strain))
+
+    def viscous_acceleration(
+        self,
+        position: FloatArray,
+        cell_start: NDArray[np.int64],
+        velocity: FloatArray,
+        bulk: FloatArray,
+        viscosity: FloatArray | float,
+    ) -> FloatArray:
+        """(N, d) [m/s2]. velocity: the pore velocity u_d/n for eq. (13); viscosity: (N,) or a number [m2/s]."""
+        out = np.empty_like(position)
+        nu = np.full(len(position), viscosity) if np.isscalar(viscosity) else viscosity
+        _core.sph_viscous_acceleration(
+            self.grid.core, self.walls, self.kernel, self.radius, position, cell_start, velocity, bulk, nu, out
+        )
+        return out
+
+    def time_step_limit(self, viscosity: float) -> float:
+        """Stable explicit step [s] for the largest viscosity [m2/s] in full water: 2 over a bound of the spectrum.
+
+        By Gershgorin, eigenvalues are at most twice the diagonal, which is K nu / d times the integral of -W'(r)/r. For
+        the Wendland kernel radius^2 / (56 nu) in 2D. Infinite without viscosity.
+        """
+        d = self.grid.dimension
+        spectrum = 2 * 2 * (d + 2) / d * KERNEL_STIFFNESS[self.kernel] * viscosity / self.radius**2
+        return 2 / spectrum if spectrum > 0 else np.inf
