@@ -98,8 +98,8 @@ def draw_curves(panel: Axes, time: FloatArray, curves: Curves, unit: str) -> Non
 
 
 def _power_of_ten(largest: float) -> int:
-    """0 where numbers read well as they are, else a multiple of 3."""
-    return 0 if largest == 0 or 1e-2 <= largest < 1e4 else 3 * int(np.floor(np.log10(largest) / 3))
+    """0 where numbers read well as they are, else the multiple of 3 that leaves them between 0.1 and 100."""
+    return 0 if largest == 0 or 1e-2 <= largest < 1e4 else 3 * round((np.log10(largest) - 0.5) / 3)
 
 
 def _energies(series: xr.Dataset) -> Curves:
