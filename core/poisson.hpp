@@ -5,9 +5,8 @@
 //   ones, each in series with half a fine cell on either side where there is one (k / 2 inside uniform water, more next
 //   to a surface or wall that cuts a coarse cell short), so every level keeps the 2 D-neighbour stencil.
 // * The smoother is red-black Gauss-Seidel, in the reverse order after the coarse correction: the cycle is symmetric.
-// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry m
-// of
-//   one of two arrays. All neighbours of a colour are then contiguous entries of the other, and half sweeps vectorise.
+// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry
+//   m of one of two arrays. All neighbours of a colour are then contiguous in the other, and half sweeps vectorise.
 // * Cells of one colour that were just relaxed have no residual, and the first half sweep after a correction overwrites
 //   that colour: so only red residuals are restricted and only red cells receive the correction. For the same reason
 //   conjugate gradients run on the red cells, the black ones following so that their residual stays zero.
