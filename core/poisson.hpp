@@ -1,14 +1,16 @@
 // Pressure: sum over faces k_f (p_c - p_nb) + e_c p_c = rhs_c in the active cells of a MAC grid, by conjugate gradients
 // preconditioned with one multigrid V-cycle.
 //
-// * A level coarsens 2 x 2 (x 2) cells into one. Coarse face coefficients are the sums of the fine ones times 1/2 (the
-//   centres lie twice as far apart), so every level keeps the 2 D-neighbour stencil; transfers are piecewise constant.
+// * A level coarsens 2 x 2 (x 2) cells into one; transfers are piecewise constant. A coarse face is the sum of the fine
+//   ones, each in series with half a fine cell on either side where there is one (k / 2 inside uniform water, more next
+//   to a surface or wall that cuts a coarse cell short), so every level keeps the 2 D-neighbour stencil.
 // * The smoother is red-black Gauss-Seidel, in the reverse order after the coarse correction: the cycle is symmetric.
-// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry m
-// of
-//   one of two arrays. All neighbours of a colour are then contiguous entries of the other, and half sweeps vectorise.
+// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry
+//   m of one of two arrays. All neighbours of a colour are then contiguous in the other, and half sweeps vectorise.
 // * Cells of one colour that were just relaxed have no residual, and the first half sweep after a correction overwrites
-//   that colour: so only red residuals are restricted and only red cells receive the correction.
+//   that colour: so only red residuals are restricted and only red cells receive the correction. For the same reason
+//   conjugate gradients run on the red cells, the black ones following so that their residual stays zero.
+// * The cycle is in single precision (Real), conjugate gradients in double.
 // * Only pencils with active cells are visited, and of each only the range of entries that holds its active cells.
 // * Connected components without any e are closed: p is known up to a constant, and solvable only if rhs sums to
 //   zero. There the mean of rhs and of p is taken out.
@@ -569,7 +571,7 @@ class PressureSolver {
   std::vector<multigrid::Level<D, Real>> levels_;
   std::array<Doubles, D> k_;
   Doubles d_, inverse_, x_, b_, r_, p_, q_;
-  std::vector<double> part_;  // one partial sum per pencil
+  std::vector<double> part_;  // one partial sum per block of pencils
   std::vector<std::uint8_t> mask_;
   index mask_row_ = 0;
   std::array<index, D> mask_step_{};
@@ -626,7 +628,6 @@ class PressureSolver {
     auto& l = fine();
     parallel_for(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
     l.list(nullptr);
-    // the pencils' own numbers are needed too: walk all pencils
     parallel_for(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
     auto& level = levels_[0];
     for (int a = 0; a < D; ++a)
@@ -878,28 +879,32 @@ class PressureSolver {
   }
 
   // Sums or maxima over the colours in use: body(colour, s, first, n, lanes) adds n entries to eight partial results of
-  // its pencil; all are combined in a fixed order.
+  // its block of pencils; all are combined in a fixed order.
+  static constexpr index block = 16;  // pencils
+
   template <class Body, class Combine>
   double reduce(Body body, Combine combine) {
     double* part = part_.data();
     const Pencil* rows = fine().rows.data();
     const auto n = static_cast<index>(fine().rows.size());
     const int colours = this->colours();
+    const index blocks = (n + block - 1) / block;
     parallel_for(
-        n,
-        [=](index p) {
+        blocks,
+        [=](index b) {
           double lanes[multigrid::width] = {};
-          for (int c = 0; c < colours; ++c) {
-            auto entries = [&](auto s, index first, index n) { body(c, s, first, n, lanes); };
-            multigrid::with_entries(rows[p], c, entries);
-          }
+          for (index p = b * block; p < std::min(n, (b + 1) * block); ++p)
+            for (int c = 0; c < colours; ++c) {
+              auto entries = [&](auto s, index first, index n) { body(c, s, first, n, lanes); };
+              multigrid::with_entries(rows[p], c, entries);
+            }
           for (int half = multigrid::width / 2; half > 0; half /= 2)
             for (int v = 0; v < half; ++v) lanes[v] = combine(lanes[v], lanes[v + half]);
-          part[p] = lanes[0];
+          part[b] = lanes[0];
         },
-        fine().grain);
+        std::max<index>(1, fine().grain / block));
     double result = 0;
-    for (index p = 0; p < n; ++p) result = combine(result, part[p]);
+    for (index b = 0; b < blocks; ++b) result = combine(result, part[b]);
     return result;
   }
   template <class Body>
