@@ -31,8 +31,8 @@ class Conservative:
 
     grid, and body: (2 nx, [2 ny,] 2 nz) int32, the porous body of each half cell (0 clear water, -1 solid); water
     changes hands only inside a body. Conserved to round-off in every body: sum V, sum V u_d and, but for a rare
-    particle that would have left its body or the tank, sum V x, so the potential energy. The true momentum sum V u_d / n
-    is conserved as far as n is the same for the particles of a body.
+    particle that would have left its body or the tank, sum V x, so the potential energy. The true momentum
+    sum V u_d / n is conserved as far as n is the same for the particles of a body.
 
     Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
     moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves
