@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 #include "grid.hpp"
 
@@ -123,6 +124,7 @@ struct Stencil {
   double weight[D][K::width];
   double moment[D][K::width];  // q of the Taylor Gaussian
   double sign[K::width];       // of the normal component, along its own axis
+  double reach[D];             // from the particle to its first node [m], there where it stands, not where it is folded to
   int component;
 
   // x: position in metres; side: particle edge in metres
@@ -133,6 +135,7 @@ struct Stencil {
       const double s = x[a] / g.h[a] - (on_faces ? 0.0 : 0.5);
       const index i0 = K::first(s);
       K::weights(s, i0, side / g.h[a], weight[a], moment[a]);
+      reach[a] = (static_cast<double>(i0) - s) * g.h[a];
       const index last = on_faces && !g.periodic[a] ? g.shape[a] : g.shape[a] - 1;
       if (i0 >= 0 && i0 + K::width - 1 <= last) {
         for (int k = 0; k < K::width; ++k) node[a][k] = i0 + k;
@@ -148,23 +151,31 @@ struct Stencil {
     }
   }
 
-  // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component, offsets k[D])
+  // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component[, offsets k[D]])
   template <class Visit>
   void each(const std::array<index, D>& stride, Visit visit) const {
     if constexpr (D == 2) {
       for (int i = 0; i < K::width; ++i)
         for (int j = 0; j < K::width; ++j) {
           const int k[2] = {i, j};
-          visit(node[0][i] * stride[0] + node[1][j], product(k), signed_by(k));
+          at(visit, node[0][i] * stride[0] + node[1][j], k);
         }
     } else {
       for (int i = 0; i < K::width; ++i)
         for (int j = 0; j < K::width; ++j)
           for (int l = 0; l < K::width; ++l) {
             const int k[3] = {i, j, l};
-            visit(node[0][i] * stride[0] + node[1][j] * stride[1] + node[2][l], product(k), signed_by(k));
+            at(visit, node[0][i] * stride[0] + node[1][j] * stride[1] + node[2][l], k);
           }
     }
+  }
+
+  template <class Visit>
+  void at(Visit& visit, index flat, const int* k) const {
+    if constexpr (std::is_invocable_v<Visit&, index, double, double, const int*>)
+      visit(flat, product(k), signed_by(k), k);
+    else
+      visit(flat, product(k), signed_by(k));
   }
 
   double product(const int* k) const {

@@ -134,11 +134,10 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
             v[f] += w * s * mu;
           });
         } else {
-          const double *C = affine + D * D * p + D * a, *x = cloud.x + D * p;
-          st.each(stride, [=](index f, double w, double s) {
-            const auto i = Grid<D>::unflat(f, g.face_shape(a));
+          const double* C = affine + D * D * p + D * a;
+          st.each(stride, [=, &st](index f, double w, double s, const int* k) {
             double value = up;
-            for (int b = 0; b < D; ++b) value += C[b] * ((i[b] + (b == a ? 0.0 : 0.5)) * g.h[b] - x[b]);
+            for (int b = 0; b < D; ++b) value += C[b] * (st.reach[b] + k[b] * g.h[b]);
             m[f] += w * scale;
             v[f] += w * s * scale * value;
           });
@@ -237,13 +236,11 @@ inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> v
     const double* v = velocity[a];
     parallel_for(cloud.n, [=](index p) {
       Stencil<K, D> st;
-      const double* x = cloud.x + D * p;
-      st.set(g, a, x, cloud.edge(p));
+      st.set(g, a, cloud.x + D * p, cloud.edge(p));
       double first[D] = {}, second[D] = {};
-      st.each(stride, [&](index f, double w, double s) {
-        const auto i = Grid<D>::unflat(f, g.face_shape(a));
+      st.each(stride, [&](index f, double w, double s, const int* k) {
         for (int b = 0; b < D; ++b) {
-          const double r = (i[b] + (b == a ? 0.0 : 0.5)) * g.h[b] - x[b];
+          const double r = st.reach[b] + k[b] * g.h[b];
           first[b] += w * s * v[f] * r;
           second[b] += w * r * r;
         }
