@@ -232,7 +232,7 @@ CHOICES = [
 
 def steps(simulation: Simulation, end: float) -> Iterator[dict[str, np.ndarray]]:
     """Marches as a run does, looking at everything; after each step a copy of the state."""
-    stops = [multiple(k, 0.03) for k in range(1, 1 + round(end / 0.03))]
+    stops = [multiple(k, 0.025) for k in range(1, 1 + round(end / 0.025))]
     while simulation.time < end:
         stop = next(s for s in stops if s > simulation.time)
         simulation.advance(stop)
@@ -244,7 +244,7 @@ def steps(simulation: Simulation, end: float) -> Iterator[dict[str, np.ndarray]]
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: "-".join(map(str, choice.values()))[:30])
 def test_every_choice_can_be_restored_at_every_step(choice):
-    case, end = houle.load(TINY, {"time": {"end": 1.0, "courant": 0.2}, "numerics.remesh_every": 4, **choice}), 0.06
+    case, end = houle.load(TINY, {"time": {"end": 1.0, "courant": 0.2}, "numerics.remesh_every": 4, **choice}), 0.05
     whole = list(steps(Simulation(case, 1), end))
     for k in range(len(whole) - 1):
         resumed = Simulation(case, 1)
