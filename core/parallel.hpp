@@ -37,11 +37,7 @@ inline int get_threads() {
 template <class Body>
 inline void parallel_for(index n, Body body, [[maybe_unused]] index grain = 1024) {
 #ifdef _OPENMP
-  if (n >= 2 * grain && omp_get_max_threads() > 1) {
-#pragma omp parallel for schedule(static)
-    for (index i = 0; i < n; ++i) body(i);
-    return;
-  }
+#pragma omp parallel for schedule(static) if (n >= 2 * grain)
 #endif
   for (index i = 0; i < n; ++i) body(i);
 }
@@ -50,11 +46,7 @@ inline void parallel_for(index n, Body body, [[maybe_unused]] index grain = 1024
 template <class Body>
 inline void parallel_for_heavy(index n, Body body) {
 #ifdef _OPENMP
-  if (n > 1 && omp_get_max_threads() > 1) {
-#pragma omp parallel for schedule(dynamic, 1)
-    for (index i = 0; i < n; ++i) body(i);
-    return;
-  }
+#pragma omp parallel for schedule(dynamic, 1) if (n > 1)
 #endif
   for (index i = 0; i < n; ++i) body(i);
 }
