@@ -117,6 +117,12 @@ def test_mean_period_counts_zero_crossings():
     assert np.isnan(measure.mean_period(time, np.ones_like(time)))
 
 
+def test_period_mean_takes_the_ripple_off_a_trend():
+    time = np.arange(0.0, 10.0, 0.01)
+    smooth = measure.period_mean(2.0 + 0.1 * time + np.cos(2 * np.pi * time), 100.0)
+    assert smooth == pytest.approx(2.0 + 0.1 * (time[: len(smooth)] + 0.495))
+
+
 def test_noise_is_what_lies_above_the_cut():
     time = np.arange(0.0, 2.0, 0.0025)
     slow = 100.0 * np.exp(-time) + 5.0 * np.cos(2 * np.pi * 2.0 * time)
