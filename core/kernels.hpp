@@ -136,11 +136,13 @@ struct Reach {
   double weight[K::width];
   double moment[K::width];  // q of the Taylor Gaussian
   double sign[K::width];    // of the normal component on its own axis
+  double first;  // from the particle to its first node, in cells: where that stands, not where it is folded to
 
   // s: index coordinate, node i at i; side: particle edge in cells
   void set(double s, double side, bool on_faces, index cells, bool periodic) {
     const index i0 = K::first(s);
     K::weights(s, i0, side, weight, moment);
+    first = static_cast<double>(i0) - s;
     for (int k = 0; k < K::width; ++k) {
       node[k] = i0 + k;
       sign[k] = 1.0;
@@ -180,7 +182,7 @@ struct Stencil {
       return centre[axis];
   }
 
-  // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component)
+  // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component[, offsets k[D]])
   template <int component, class Visit>
   void each(const std::array<index, D>& stride, Visit visit) const {
     const auto &r0 = along<component, 0>(), &r1 = along<component, 1>();
@@ -193,7 +195,7 @@ struct Stencil {
           if constexpr (K::taylor) q += r0.moment[i] + r1.moment[j];
           if constexpr (component == 0) sign = r0.sign[i];
           if constexpr (component == 1) sign = r1.sign[j];
-          visit(row + r1.node[j], w * q, sign);
+          at(visit, row + r1.node[j], w * q, sign, {i, j});
         } else {
           const auto& r2 = along<component, 2>();
           const index line = row + r1.node[j] * stride[1];
@@ -203,11 +205,26 @@ struct Stencil {
             if constexpr (component == 0) sign = r0.sign[i];
             if constexpr (component == 1) sign = r1.sign[j];
             if constexpr (component == 2) sign = r2.sign[l];
-            visit(line + r2.node[l], w * r2.weight[l] * q, sign);
+            at(visit, line + r2.node[l], w * r2.weight[l] * q, sign, {i, j, l});
           });
         }
       });
     });
+  }
+
+  template <class Visit>
+  static void at(Visit& visit, index flat, double w, double sign, std::array<int, D> k) {
+    if constexpr (std::is_invocable_v<Visit&, index, double, double, const std::array<int, D>&>)
+      visit(flat, w, sign, k);
+    else
+      visit(flat, w, sign);
+  }
+  // From the particle to the node k nodes after the first, along each axis [m].
+  template <int component>
+  std::array<double, D> distance(const Grid<D>& g, const std::array<int, D>& k) const {
+    std::array<double, D> r;
+    each_of<D>([&](auto b) { r[b] = (along<component, b>().first + k[b]) * g.h[b]; });
+    return r;
   }
 
   // The field of that component at the particle; a kernel that is not normalised is divided by the sum of its weights.

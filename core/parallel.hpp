@@ -33,46 +33,37 @@ inline int get_threads() {
 #endif
 }
 
-// Each thread works on a copy of the body that nothing else points to: the compiler keeps what it captured in
-// registers.
-template <class Body>
-inline void serial_for(index n, const Body& shared) {
-  const Body body(shared);
-  for (index i = 0; i < n; ++i) body(i);
-}
-
 // Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this run on one thread.
+//
+// One compiled loop for any number of threads: two could contract multiply-adds differently. Each thread works on a
+// copy of the body that nothing else points to, so that the compiler keeps in registers what it captured.
 template <class Body>
 inline void parallel_for(index n, const Body& shared, [[maybe_unused]] index grain = 1024) {
 #ifdef _OPENMP
-  if (n >= 2 * grain && omp_get_max_threads() > 1) {
-#pragma omp parallel
-    {
-      const Body body(shared);
-#pragma omp for schedule(static)
-      for (index i = 0; i < n; ++i) body(i);
-    }
-    return;
-  }
+#pragma omp parallel if (n >= 2 * grain)
 #endif
-  serial_for(n, shared);
+  {
+    const Body body(shared);
+#ifdef _OPENMP
+#pragma omp for schedule(static)
+#endif
+    for (index i = 0; i < n; ++i) body(i);
+  }
 }
 
 // Like parallel_for, for few and heavy iterations (slabs, columns): each is worth a thread.
 template <class Body>
 inline void parallel_for_heavy(index n, const Body& shared) {
 #ifdef _OPENMP
-  if (n > 1 && omp_get_max_threads() > 1) {
-#pragma omp parallel
-    {
-      const Body body(shared);
-#pragma omp for schedule(dynamic, 1)
-      for (index i = 0; i < n; ++i) body(i);
-    }
-    return;
-  }
+#pragma omp parallel if (n > 1)
 #endif
-  serial_for(n, shared);
+  {
+    const Body body(shared);
+#ifdef _OPENMP
+#pragma omp for schedule(dynamic, 1)
+#endif
+    for (index i = 0; i < n; ++i) body(i);
+  }
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.

@@ -1,14 +1,16 @@
 // Pressure: sum over faces k_f (p_c - p_nb) + e_c p_c = rhs_c in the active cells of a MAC grid, by conjugate gradients
 // preconditioned with one multigrid V-cycle.
 //
-// * A level coarsens 2 x 2 (x 2) cells into one. Coarse face coefficients are the sums of the fine ones times 1/2 (the
-//   centres lie twice as far apart), so every level keeps the 2 D-neighbour stencil; transfers are piecewise constant.
+// * A level coarsens 2 x 2 (x 2) cells into one; transfers are piecewise constant. A coarse face is the sum of the fine
+//   ones, each in series with half a fine cell on either side where there is one (k / 2 inside uniform water, more next
+//   to a surface or wall that cuts a coarse cell short), so every level keeps the 2 D-neighbour stencil.
 // * The smoother is red-black Gauss-Seidel, in the reverse order after the coarse correction: the cycle is symmetric.
-// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry m
-// of
-//   one of two arrays. All neighbours of a colour are then contiguous entries of the other, and half sweeps vectorise.
+// * The cells of a pencil (a column along the last axis) are stored by colour: cell j = 2 m + s of a pencil is entry
+//   m of one of two arrays. All neighbours of a colour are then contiguous in the other, and half sweeps vectorise.
 // * Cells of one colour that were just relaxed have no residual, and the first half sweep after a correction overwrites
-//   that colour: so only red residuals are restricted and only red cells receive the correction.
+//   that colour: so only red residuals are restricted and only red cells receive the correction. For the same reason
+//   conjugate gradients run on the red cells, the black ones following so that their residual stays zero.
+// * The cycle is in single precision (Real), conjugate gradients in double.
 // * Only pencils with active cells are visited, and of each only the range of entries that holds its active cells.
 // * Connected components without any e are closed: p is known up to a constant, and solvable only if rhs sums to
 //   zero. There the mean of rhs and of p is taken out.
@@ -77,14 +79,14 @@ template <int D>
 struct Layout {
   std::array<index, D> n{};
   std::array<bool, D> wrap{};
-  index half = 0;                            // entries per pencil and colour
-  index shift = 0;                           // entries before m = 0: the ghost of a periodic last axis
-  std::array<index, D> step{};               // entries between neighbouring pencils along each axis but the last
-  index size = 0;                            // entries per colour, ghost pencils included
-  index pencils = 0;                         // pencils inside the grid
-  std::vector<std::int32_t> first, last;     // active cells of every pencil inside: j in [first, last)
-  std::vector<std::int32_t> old_lo, old_hi;  // entries in use after the last setup
-  std::vector<Pencil> rows;                  // the pencils with active cells
+  index half = 0;                                // entries per pencil and colour
+  index shift = 0;                               // entries before m = 0: the ghost of a periodic last axis
+  std::array<index, D> step{};                   // entries between neighbouring pencils along each axis but the last
+  index size = 0;                                // entries per colour, ghost pencils included
+  index pencils = 0;                             // pencils inside the grid
+  std::vector<std::int32_t> first, last;         // active cells of every pencil inside: j in [first, last)
+  std::vector<std::int32_t> old_begin, old_end;  // active entries at the last setup
+  std::vector<Pencil> rows;                      // the pencils with active cells
   std::vector<Seam> seams;
   index grain = 1;
   bool odd = false;  // an odd periodic axis: there cells of one colour meet, and relaxing one leaves residuals in it
@@ -104,8 +106,8 @@ struct Layout {
     }
     first.assign(pencils, 0);
     last.assign(pencils, 0);
-    old_lo.assign(pencils, 0);
-    old_hi.assign(pencils, 0);
+    old_begin.assign(pencils, 0);
+    old_end.assign(pencils, 0);
     rows.reserve(pencils);
     for (index p = 0; p < pencils; ++p) {
       const auto i = place(p);
@@ -146,18 +148,17 @@ struct Layout {
     return r;
   }
 
-  // Sets to zero the entries in use before or now, all or only those outside [begin, end).
+  // Zeroes the entries that were active before and are not now: everything else outside [begin, end) is zero already.
   template <class Real>
-  void clear(const Field<Real>& f, const Pencil& now, index p, bool outside) const {
-    const index lo = std::min<index>(now.lo, old_lo[p]), hi = std::max<index>(now.hi, old_hi[p]);
+  void clear(const Field<Real>& f, const Pencil& now, index p) const {
     for (int c = 0; c < 2; ++c) {
       Real* row = f.c[c] + now.at;
-      const index s = (now.parity + c) & 1;  // the last entry of the odd cells may lie above the grid
-      const index begin = outside ? std::clamp<index>(now.begin, lo, hi) : hi;
-      const index end = outside ? std::clamp<index>(std::min<index>(now.end, (n[D - 1] + 1 - s) / 2), lo, hi) : hi;
-      std::fill(row + lo, row + begin, Real(0));
-      std::fill(row + end, row + hi, Real(0));
+      for (index m = old_begin[p]; m < std::min(now.begin, old_end[p]); ++m) row[m] = 0;
+      for (index m = std::max(now.end, old_begin[p]); m < old_end[p]; ++m) row[m] = 0;
     }
+  }
+  bool shrinks(const Pencil& now, index p) const {
+    return old_begin[p] < old_end[p] && (old_begin[p] < now.begin || old_end[p] > now.end);
   }
 
   // Lists the non-empty pencils and the periodic seams, once first and last are known.
@@ -249,13 +250,13 @@ struct Level {
     for (auto* f : {&e, &d, &inverse, &x, &b, &r}) f->allocate(layout.size);
   }
 
-  // Empties what was in use and will not be overwritten: everything outside the active entries, and k and e inside.
   void clear(const Pencil& now, index p) {
-    for (auto& f : k) layout.clear(f, now, p, false);
-    layout.clear(e, now, p, false);
-    for (auto* f : {&d, &inverse, &x, &b, &r}) layout.clear(*f, now, p, true);
-    layout.old_lo[p] = now.lo;
-    layout.old_hi[p] = now.hi;
+    if (layout.shrinks(now, p)) {
+      for (auto& f : k) layout.clear(f, now, p);
+      for (auto* f : {&e, &d, &inverse, &x, &b, &r}) layout.clear(*f, now, p);
+    }
+    layout.old_begin[p] = now.begin;
+    layout.old_end[p] = now.end;
   }
 
   void invert() {
@@ -366,7 +367,8 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
             const Real* above = f->k[a].c[1 - t] + at + f->layout.step[a];
             const Real* below = f->k[a].c[1 - t] + at - f->layout.step[a];
             HOULE_INDEPENDENT
-            for (index m = row.begin; m < row.end; ++m) k[m] += coupled(link[2 * m], below[2 * m], above[2 * m]);
+            for (index m = row.begin; m < row.end; ++m)
+              k[m] = (i + t > 0 ? k[m] : Real(0)) + coupled(link[2 * m], below[2 * m], above[2 * m]);
           }
         }
         Real* k = c->k[D - 1].c[colour] + row.at;
@@ -377,8 +379,9 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
         const Real* e1 = f->e.c[1 - even] + at;
         HOULE_INDEPENDENT
         for (index m = row.begin; m < row.end; ++m) {
-          k[m] += coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
-          e[m] += coupled(e0[2 * m], Real(0), inner[2 * m]) + coupled(e1[2 * m], Real(0), inner[2 * m]);
+          k[m] = (i > 0 ? k[m] : Real(0)) + coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
+          e[m] = (i > 0 ? e[m] : Real(0)) + coupled(e0[2 * m], Real(0), inner[2 * m]) +
+                 coupled(e1[2 * m], Real(0), inner[2 * m]);
         }
       }
     }
@@ -568,7 +571,7 @@ class PressureSolver {
   std::vector<multigrid::Level<D, Real>> levels_;
   std::array<Doubles, D> k_;
   Doubles d_, inverse_, x_, b_, r_, p_, q_;
-  std::vector<double> part_;  // one partial sum per pencil
+  std::vector<double> part_;  // one partial sum per block of pencils
   std::vector<std::uint8_t> mask_;
   index mask_row_ = 0;
   std::array<index, D> mask_step_{};
@@ -625,7 +628,6 @@ class PressureSolver {
     auto& l = fine();
     parallel_for(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
     l.list(nullptr);
-    // the pencils' own numbers are needed too: walk all pencils
     parallel_for(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
     auto& level = levels_[0];
     for (int a = 0; a < D; ++a)
@@ -633,14 +635,15 @@ class PressureSolver {
         multigrid::exchange(l, k_[a], c, a);
         multigrid::exchange(l, level.k[a], c, a);
       }
-    level.invert();
   }
 
   void clear_fine(index p) {
     auto& l = fine();
     const Pencil now = l.pencil(p);
-    for (auto& f : k_) l.clear(f, now, p, true);
-    for (auto* f : {&d_, &inverse_, &x_, &b_, &r_, &p_, &q_}) l.clear(*f, now, p, true);
+    if (l.shrinks(now, p)) {
+      for (auto& f : k_) l.clear(f, now, p);
+      for (auto* f : {&d_, &inverse_, &x_, &b_, &r_, &p_, &q_}) l.clear(*f, now, p);
+    }
     levels_[0].clear(now, p);
   }
 
@@ -669,37 +672,34 @@ class PressureSolver {
     for (index s = 0; s < 2; ++s) {
       const int c = (row.parity + static_cast<int>(s)) & 1;
       const index end = std::min<index>(row.end, (n - s + 1) / 2);
-      double *d = d_.c[c] + row.at, *inverse = inverse_.c[c] + row.at;
-      Real* df = level.d.c[c] + row.at;
-      Real* ef = level.e.c[c] + row.at;
-      HOULE_INDEPENDENT
-      for (index m = row.begin; m < end; ++m) {
-        const double value = extra[2 * m + s];
-        const bool in = mask[2 * m + s] != 0;
-        d[m] = in ? value : 0.0;
-        ef[m] = static_cast<Real>(d[m]);
-      }
+      std::array<double*, D> kd;
+      std::array<Real*, D> kf;
       for (int a = 0; a < D; ++a) {
-        double* kd = k_[a].c[c] + row.at;
-        Real* kf = level.k[a].c[c] + row.at;
-        const double *lower = k_lo[a], *upper = k_hi[a];
-        const std::uint8_t *below = mask - mask_step[a], *above = mask + mask_step[a];
-        HOULE_INDEPENDENT
-        for (index m = row.begin; m < end; ++m) {
-          const index j = 2 * m + s;
-          const double lo = lower[j], up = upper[j];
-          const bool in = mask[j] != 0, linked_lo = below[j] != 0, linked_up = above[j] != 0;
-          const double v = in & linked_lo ? lo : 0.0;
-          const double w = in & linked_up ? up : 0.0;
-          kd[m] = v;
-          kf[m] = static_cast<Real>(v);
-          d[m] += v + w;
-        }
+        kd[a] = k_[a].c[c] + row.at;
+        kf[a] = level.k[a].c[c] + row.at;
       }
+      double *d = d_.c[c] + row.at, *inverse = inverse_.c[c] + row.at;
+      Real *df = level.d.c[c] + row.at, *ef = level.e.c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
       HOULE_INDEPENDENT
       for (index m = row.begin; m < end; ++m) {
-        df[m] = static_cast<Real>(d[m]);
-        inverse[m] = d[m] > 0 ? 1 / d[m] : 0.0;
+        const index j = 2 * m + s;
+        const bool in = mask[j] != 0;
+        const double value = extra[j];
+        double sum = in ? value : 0.0;
+        ef[m] = static_cast<Real>(sum);
+        for (int a = 0; a < D; ++a) {
+          const double lower = k_lo[a][j], upper = k_hi[a][j];
+          const bool below = mask[j - mask_step[a]] != 0, above = mask[j + mask_step[a]] != 0;
+          const double v = in & below ? lower : 0.0, w = in & above ? upper : 0.0;
+          kd[a][m] = v;
+          kf[a][m] = static_cast<Real>(v);
+          sum += v + w;
+        }
+        d[m] = sum;
+        df[m] = static_cast<Real>(sum);
+        const double one_over = sum > 0 ? 1 / sum : 0.0;
+        inverse[m] = one_over;
+        inversef[m] = static_cast<Real>(one_over);
       }
     }
   }
@@ -862,41 +862,49 @@ class PressureSolver {
 
   template <class Other>
   static void add_products(const double* a, const Other* b, index n, double* lanes) {
+    double sum[multigrid::width] = {};
     for (index i = 0; i < n; i += multigrid::width)
-      for (int v = 0; v < multigrid::width; ++v) lanes[v] += a[i + v] * static_cast<double>(b[i + v]);
+      for (int v = 0; v < multigrid::width; ++v) sum[v] += a[i + v] * static_cast<double>(b[i + v]);
+    for (int v = 0; v < multigrid::width; ++v) lanes[v] += sum[v];
   }
   static double larger(double a, double b) { return (a >= b) | (a != a) ? a : b; }  // NaN wins
   static void max_size(const double* a, index n, double* lanes) {
+    double most[multigrid::width] = {};
     for (index i = 0; i < n; i += multigrid::width)
       for (int v = 0; v < multigrid::width; ++v) {
         const double size = std::abs(a[i + v]);
-        lanes[v] = larger(lanes[v], size);
+        most[v] = larger(most[v], size);
       }
+    for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger(lanes[v], most[v]);
   }
 
   // Sums or maxima over the colours in use: body(colour, s, first, n, lanes) adds n entries to eight partial results of
-  // its pencil; all are combined in a fixed order.
+  // its block of pencils; all are combined in a fixed order.
+  static constexpr index block = 16;  // pencils
+
   template <class Body, class Combine>
   double reduce(Body body, Combine combine) {
     double* part = part_.data();
     const Pencil* rows = fine().rows.data();
     const auto n = static_cast<index>(fine().rows.size());
     const int colours = this->colours();
+    const index blocks = (n + block - 1) / block;
     parallel_for(
-        n,
-        [=](index p) {
+        blocks,
+        [=](index b) {
           double lanes[multigrid::width] = {};
-          for (int c = 0; c < colours; ++c) {
-            auto entries = [&](auto s, index first, index n) { body(c, s, first, n, lanes); };
-            multigrid::with_entries(rows[p], c, entries);
-          }
+          for (index p = b * block; p < std::min(n, (b + 1) * block); ++p)
+            for (int c = 0; c < colours; ++c) {
+              auto entries = [&](auto s, index first, index n) { body(c, s, first, n, lanes); };
+              multigrid::with_entries(rows[p], c, entries);
+            }
           for (int half = multigrid::width / 2; half > 0; half /= 2)
             for (int v = 0; v < half; ++v) lanes[v] = combine(lanes[v], lanes[v + half]);
-          part[p] = lanes[0];
+          part[b] = lanes[0];
         },
-        fine().grain);
+        std::max<index>(1, fine().grain / block));
     double result = 0;
-    for (index p = 0; p < n; ++p) result = combine(result, part[p]);
+    for (index b = 0; b < blocks; ++b) result = combine(result, part[b]);
     return result;
   }
   template <class Body>
@@ -905,7 +913,7 @@ class PressureSolver {
   }
   template <class Body>
   double largest(Body body) {
-    return reduce(body, larger);
+    return reduce(body, [](double a, double b) { return larger(a, b); });
   }
 
   // On an even grid the black cells only see red ones: their residual is kept at zero and CG iterates on the red ones.

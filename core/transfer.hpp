@@ -132,9 +132,8 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      const double* x = cloud.x + D * p;
       Stencil<K, D> st;
-      st.set(g, x, cloud.edge(p));
+      st.set(g, cloud.x + D * p, cloud.edge(p));
       each_of<D>([&](auto a) {
         double *m = mass[a], *v = velocity[a];
         const double up = u[D * p + a], scale = cloud.mass[p] / st.template total<a>();
@@ -146,10 +145,10 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
           });
         } else {
           const double* C = affine + D * D * p + D * a;
-          st.template each<a>(stride[a], [&](index f, double w, double sign) {
-            const auto i = Grid<D>::unflat(f, g.face_shape(a));
+          st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+            const auto r = st.template distance<a>(g, k);
             double value = up;
-            for (int b = 0; b < D; ++b) value += C[b] * ((i[b] + (b == a ? 0.0 : 0.5)) * g.h[b] - x[b]);
+            for (int b = 0; b < D; ++b) value += C[b] * r[b];
             m[f] += w * scale;
             v[f] += w * sign * scale * value;
           });
@@ -226,17 +225,15 @@ template <class K, int D>
 inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
-    const double* x = cloud.x + D * p;
     Stencil<K, D> st;
-    st.set(g, x, cloud.edge(p));
+    st.set(g, cloud.x + D * p, cloud.edge(p));
     each_of<D>([&](auto a) {
       double first[D] = {}, second[D] = {};
-      st.template each<a>(stride[a], [&](index f, double w, double sign) {
-        const auto i = Grid<D>::unflat(f, g.face_shape(a));
+      st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+        const auto r = st.template distance<a>(g, k);
         for (int b = 0; b < D; ++b) {
-          const double r = (i[b] + (b == a ? 0.0 : 0.5)) * g.h[b] - x[b];
-          first[b] += w * sign * velocity[a][f] * r;
-          second[b] += w * r * r;
+          first[b] += w * sign * velocity[a][f] * r[b];
+          second[b] += w * r[b] * r[b];
         }
       });
       for (int b = 0; b < D; ++b)

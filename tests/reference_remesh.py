@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-RECEIVE, KEEP, SEE = 0.2, 0.1, 0.5  # in half cells, in half cells, sum of weights
+RECEIVE, KEEP, SEE = 0.1, 0.05, 0.5  # in half cells, in half cells, sum of weights
 
 
 def m4_prime(s):

@@ -25,7 +25,7 @@ from houle.resistance import LAWS
 SCHEMES: dict[str, dict[str, Any]] = {
     "houle": {
         "transfer": "fmpm",
-        "order": 2,
+        "order": 4,
         "flip": 0.99,
         "kernel": "linear",
         "remesh": "conservative",
@@ -34,9 +34,9 @@ SCHEMES: dict[str, dict[str, Any]] = {
         "tolerance": 1e-7,
     },
     "jh2020": {
-        "transfer": "pic",
+        "transfer": "flip",
         "order": 1,
-        "flip": 0.0,
+        "flip": 1.0,
         "kernel": "gaussian-taylor2",
         "remesh": "paper",
         "remesh_every": 200,
@@ -322,14 +322,14 @@ class Numerics(Table):
     scheme: Literal["houle", "jh2020"] = Field(
         default="houle", description="a set of choices; the keys below override it"
     )
-    transfer: Literal["fmpm", "flip", "pic", "apic", "xpic"] = Field(
+    transfer: Literal["fmpm", "flip", "pic", "apic"] = Field(
         default="fmpm", description="particles to grid and back"
     )
-    order: int = Field(default=2, ge=1, le=20, description="number of terms of fmpm and xpic")
+    order: int = Field(default=4, ge=1, le=20, description="number of terms of fmpm")
     flip: float = Field(
         default=0.99, ge=0, le=1, description="share of FLIP in the blend with PIC, transfer flip only [-]"
     )
-    kernel: Literal["linear", "quadratic", "m4prime", "gaussian", "gaussian-taylor2"] = Field(
+    kernel: Literal["linear", "quadratic", "m4prime", "gaussian", "gaussian-taylor2", "gaussian-cell"] = Field(
         default="linear", description="transfer kernel"
     )
     remesh: Literal["conservative", "paper", "none"] = Field(

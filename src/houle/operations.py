@@ -11,7 +11,7 @@ from houle.grid import FloatArray
 from houle.ledger import Ledger
 from houle.transfer import Transfer
 
-LEAST_THETA = 0.05  # least distance of the surface from a cell centre, in cells (pressure)
+LEAST_THETA = 1e-3  # least distance of the surface from a cell centre, in cells (pressure)
 LEAST_THETA_CORRECTION = 0.2
 FULL_CORRECTION = 0.25  # Courant number of a step from which on the whole share of the correction is applied
 MOST_SHIFT = 0.1  # cells a correction may move a particle

@@ -127,12 +127,13 @@ class Bar(Lines):
         from rich.console import Group
         from rich.progress_bar import ProgressBar
         from rich.table import Table
+        from rich.text import Text
 
         self.next = perf_counter() + self.every
         first = Table.grid(padding=(0, 1))
         bar = ProgressBar(total=numbers.end, completed=numbers.time, width=30)
         first.add_row(f"t = {numbers.time:.3f} of {numbers.end:g} s", bar, numbers.share)
-        self.live.update(Group(first, " · ".join(numbers.details)), refresh=True)
+        self.live.update(Group(first, Text(" · ".join(numbers.details))), refresh=True)
 
     def stop(self) -> None:
         super().stop()

@@ -31,11 +31,15 @@ class Conservative:
 
     grid, and body: (2 nx, [2 ny,] 2 nz) int32, the porous body of each half cell (0 clear water, -1 solid); water
     changes hands only inside a body. Conserved to round-off in every body: sum V, sum V u_d and, but for a rare
-    particle that would have left its body or the tank, the height sum V z, so the potential energy. The true momentum
-    sum V u_d / n is conserved as far as n is the same for the particles of a body. Kinetic energy is lost, by the
-    filter M4' is (fourth order in the wave number), never gained. Particles within a lattice spacing or two of the
-    surface or of an interface end up slightly off the lattice: there sits the centre of the water they got. Spray
-    away from any water is left as it is.
+    particle that would have left its body or the tank, sum V x, so the potential energy. The true momentum
+    sum V u_d / n is conserved as far as n is the same for the particles of a body.
+
+    Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
+    moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves
+    some noise behind, +2e-3 of the energy of a wave 24 dx long, falling with the square of its length.
+
+    Particles within a spacing or two of the surface, of an interface or a wall end up slightly off the lattice: there
+    sits the centre of the water they got. Spray away from any water is left as it is.
     """
 
     grid: Grid

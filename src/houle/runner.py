@@ -61,7 +61,8 @@ def run(
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
     from houle.simulation import Simulation
 
-    simulation = Simulation(case, threads)
+    with clock.stage("set-up"):
+        simulation = Simulation(case, threads)
     says.say(f"houle: writing to {directory}")
     session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
     session.manifest["case"]["file"] = None if case.path is None else str(case.path)
@@ -96,7 +97,8 @@ def resume(
     says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
     from houle.simulation import Simulation
 
-    simulation = Simulation(done.case, threads)
+    with clock.stage("set-up"):
+        simulation = Simulation(done.case, threads)
     session = Session(directory, done.case, simulation, threads, clock, says)
     return finish(session.restore(checkpoint, done.manifest), until, progress)
 
@@ -108,7 +110,8 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 
     at_end = session.march(until)
     run = Run(session.directory)
-    draw(run, session)
+    with session.clock.stage("pictures"):
+        draw(run, session)
     more = {"reference": score} if (score := summary.reference(run)) else {}
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     run = Run(session.directory)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from houle.case import Case
 
 CHECKPOINT_EVERY = 60.0  # s of wall time
+COMMIT_EVERY = 15.0  # s of wall time between two rewritings of series.nc and surface.nc, at some 0.2 s each
 
 
 class Interrupted(KeyboardInterrupt):
@@ -31,25 +32,39 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Clock:
-    """Wall seconds, CPU seconds and seconds per operation of a run, over all its stretches."""
+    """Seconds of a run over all its stretches: wall, CPU, per operation of a step and per stage beside the steps."""
 
     def __init__(self) -> None:
         self.wall, self.cpu = -perf_counter(), -process_time()
         self.operations: dict[str, float] = {}
+        self.stages: dict[str, float] = {}
 
-    def add(self, wall: float, cpu: float, operations: dict[str, float]) -> None:
-        """What earlier stretches took [s]."""
-        self.wall, self.cpu, self.operations = self.wall + wall, self.cpu + cpu, operations
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Counts what happens inside as part of the stage."""
+        begin = perf_counter()
+        try:
+            yield
+        finally:
+            self.stages[name] = self.stages.get(name, 0.0) + perf_counter() - begin
+
+    def add(self, earlier: Mapping[str, Any]) -> None:
+        """What earlier stretches took, as read() told it."""
+        self.wall, self.cpu = self.wall + earlier["wall_seconds"], self.cpu + earlier["cpu_seconds"]
+        self.operations, self.stages = earlier["operations"], _sum(self.stages, earlier["stages"])
 
     def read(self, operations: Mapping[str, float]) -> dict[str, Any]:
         """The totals, given the seconds per operation of this stretch."""
-        names = {**self.operations, **operations}
-        total = {name: self.operations.get(name, 0.0) + operations.get(name, 0.0) for name in names}
         return {
             "wall_seconds": self.wall + perf_counter(),
             "cpu_seconds": self.cpu + process_time(),
-            "operations": total,
+            "operations": _sum(self.operations, operations),
+            "stages": dict(self.stages),
         }
+
+
+def _sum(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    return {name: one.get(name, 0.0) + other.get(name, 0.0) for name in {**one, **other}}
 
 
 class Session:
@@ -67,7 +82,8 @@ class Session:
 
     def begin(self) -> Session:
         """The first rows, frame and checkpoint: from here on the run can be resumed, whatever happens."""
-        self.recorder.start(self.simulation)
+        with self.clock.stage("writing"):
+            self.recorder.start(self.simulation)
         self.checkpoint()
         return self
 
@@ -76,8 +92,9 @@ class Session:
         meta = checkpoint.meta
         self.simulation.restore({k: v for k, v in checkpoint.state.items() if not k.startswith("recorder.")})
         self.recorder.restore(checkpoint.state)
-        self.outputs.truncate_after(self.recorder.written)
-        self.clock.add(meta["wall_seconds"], meta["cpu_seconds"], meta["operations"])
+        with self.clock.stage("writing"):
+            self.outputs.truncate_after(self.recorder.written)
+        self.clock.add(meta)
         self.volume, self.newest = meta["volume"], checkpoint.path
         resumed = [*manifest.get("resumed", []), {"step": checkpoint.step, "started": self.manifest["started"]}]
         self.manifest |= {"case": manifest["case"], "started": manifest["started"], "resumed": resumed}
@@ -95,8 +112,7 @@ class Session:
                     if perf_counter() >= due:
                         self.checkpoint()
                         due = perf_counter() + CHECKPOINT_EVERY
-                self.checkpoint()
-            self.outputs.close()
+                self.checkpoint(last=True)
         finally:
             self.says.stop()
         if signals:
@@ -110,11 +126,13 @@ class Session:
         """One time step and what it leaves to write."""
         try:
             self.simulation.advance(self.recorder.stop)
-            values = sample(self.simulation)
+            with self.clock.stage("gauges, sensors, ledger"):
+                values = sample(self.simulation)
         except Exception as error:  # whatever it is, the user gets the bundle
             self.fail(error)
-        self.recorder.step(self.simulation, values)
-        self.outputs.commit_if_due()
+        with self.clock.stage("writing"):
+            self.recorder.step(self.simulation, values)
+            self.outputs.commit_if_due(COMMIT_EVERY)
         self.says.step(self.simulation)
 
     def fail(self, error: Exception) -> NoReturn:
@@ -126,11 +144,18 @@ class Session:
         failure.args = (f"{failure}\nWhat is known about it is in {folder}; read diagnosis.txt first",)
         raise failure from error
 
-    def checkpoint(self) -> None:
+    def checkpoint(self, last: bool = False) -> None:
         """What was handed to the writers is in the files, then the state is; then run.json says how far the run is."""
-        self.outputs.commit()
+        with self.clock.stage("writing"):
+            self._checkpoint(last)
+
+    def _checkpoint(self, last: bool) -> None:
+        if last:
+            self.outputs.close()
+        else:
+            self.outputs.commit()
         manifest = self.summarise(finished=False)
-        names = ("time", "wall_seconds", "cpu_seconds", "operations")
+        names = ("time", "wall_seconds", "cpu_seconds", "operations", "stages")
         meta = {"case_hash": self.case.hash, "volume": self.volume, **{n: manifest["summary"][n] for n in names}}
         state = {**self.simulation.state(), **self.recorder.state()}
         self.newest = save_checkpoint(self.directory, self.simulation.steps, state, meta)

@@ -42,10 +42,11 @@ def overview(summary: dict[str, Any]) -> Rows:
 
 
 def operations(summary: dict[str, Any]) -> Rows:
-    """Seconds and share of the wall time of every operation, the largest first; the rest is set-up and writing."""
-    seconds, wall = summary["operations"], max(1e-9, summary["wall_seconds"])
-    rest = max(0.0, wall - sum(seconds.values()))
-    pairs = [*sorted(seconds.items(), key=lambda pair: -pair[1]), ("set-up, writing, the rest", rest)]
+    """Seconds and share of the wall time: operations of the steps, largest first, then what is beside the steps."""
+    wall = max(1e-9, summary["wall_seconds"])
+    steps, beside = summary["operations"], summary["stages"]
+    rest = {"loading the program, the rest": max(0.0, wall - sum(steps.values()) - sum(beside.values()))}
+    pairs = [pair for group in (steps, beside | rest) for pair in sorted(group.items(), key=lambda p: -p[1])]
     return [(name, f"{duration(value)}  {100 * value / wall:3.0f} %") for name, value in pairs]
 
 
@@ -85,8 +86,9 @@ def show(run: Run) -> None:
 
     console = Console()
     for title, rows in sections(run.summary):
-        table = Table(title=title, title_justify="left", show_header=False, box=None, pad_edge=False)
-        table.add_column(min_width=26)
+        console.print(title, style="bold", highlight=False, soft_wrap=True)
+        table = Table(show_header=False, box=None, pad_edge=False)
+        table.add_column(min_width=30)
         table.add_column(justify="right" if title.startswith(("Where", "Energy", "Surface")) else "left")
         for row in rows:
             table.add_row(*row)

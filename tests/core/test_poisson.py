@@ -27,7 +27,7 @@ def faces(shape, value=1.0):
 
 
 def random_system(shape, periodic, rng, filling, surface):
-    """Active cells at random, a fifth of the faces shut, coefficients from 0.05 to 1, e at a share `surface` of cells."""
+    """Active cells at random, a fifth of the faces shut, k from 0.05 to 1, e in a share `surface` of cells."""
     active = rng.random(shape) < filling
     k = faces(shape)
     for a, f in enumerate(k):
@@ -104,7 +104,7 @@ def test_random_domains_agree_with_direct_solution(case):
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_dead_faces_and_inactive_cells_are_ignored(d):
-    """Nothing is read from walls, faces to inactive cells, or values of inactive cells: garbage there changes no bit."""
+    """Garbage on walls, on faces to inactive cells and in inactive cells changes no bit."""
     shape = [20, 17] if d == 2 else [8, 9, 10]
     rng = np.random.default_rng(3)
     active, k, e = random_system(shape, [False] * d, rng, 0.7, 0.2)

@@ -1,0 +1,113 @@
+"""Imports go one way, and the numerical core knows nothing above it: docs/architecture.md."""
+
+import ast
+import re
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PACKAGE = ROOT / "src" / "houle"
+CORE = ROOT / "core"
+
+# From the bottom up. A module imports from its own layer or from those below it, wherever in the file the import
+# stands; imports for type checking only do not count.
+LAYERS = (
+    {"_core", "errors"},
+    {"grid", "particles", "geometry", "moments", "fields", "frame"},
+    {"resistance", "porous", "seeding", "remesh", "viscosity"},
+    {"flow", "transfer", "ledger"},
+    {"operations", "remeshing", "observe"},
+    {"step"},
+    {"case_errors", "case_files", "case", "checks", "laboratory"},
+    {"simulation"},
+    {"output"},
+    {"progress", "recorder", "bundle", "session", "preflight", "summary", "runner"},
+    {"validation", "bench", "check_report", "describe", "new"},
+    {"cli"},
+)
+RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
+ENTRIES = {"__init__", "__main__"}  # the package's own names, looked up when first used; and the command
+
+
+def module_name(path: Path) -> str:
+    """errors, output.series, validation.exact, ..."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 1 else parts)
+
+
+def imports(tree: ast.AST) -> set[str]:
+    """Modules of houle that are imported when the program runs."""
+    found = set()
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
+            pending += node.orelse
+            continue
+        if isinstance(node, ast.Import):
+            found |= {a.name.removeprefix("houle.") for a in node.names if a.name.startswith("houle.")}
+        elif isinstance(node, ast.ImportFrom) and node.module == "houle":
+            found |= {a.name for a in node.names if a.name in MODULES or a.name == "_core"}
+        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("houle."):
+            module = str(node.module).removeprefix("houle.")
+            found |= {name if (name := f"{module}.{a.name}") in MODULES else module for a in node.names}
+        pending += ast.iter_child_nodes(node)
+    return found
+
+
+MODULES = {module_name(path): path for path in PACKAGE.rglob("*.py")}
+IMPORTS = {name: imports(ast.parse(path.read_text(encoding="utf-8"))) for name, path in MODULES.items()}
+
+
+def layer_of(module: str) -> str:
+    return module.partition(".")[0]
+
+
+def test_every_module_has_its_layer():
+    there = {layer_of(name) for name in MODULES} - ENTRIES | {"_core"}
+    assert there == set(RANK), "add a new module to LAYERS, and take out one that is gone"
+
+
+@pytest.mark.parametrize("module", sorted(name for name in MODULES if layer_of(name) not in ENTRIES))
+def test_imports_go_down(module):
+    here = RANK[layer_of(module)]
+    above = {name for name in IMPORTS[module] if RANK[layer_of(name)] > here}
+    assert not above, f"houle.{module} imports from a layer above it"
+
+
+def test_no_import_comes_round():
+    list(TopologicalSorter(IMPORTS).static_order())  # raises CycleError, which names the cycle
+
+
+def test_relative_imports_are_not_used():
+    for name, path in MODULES.items():
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        assert not [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.level], name
+
+
+def includes(path: Path) -> set[str]:
+    return set(re.findall(r'^#include ["<](.+?)[">]', path.read_text(encoding="utf-8"), re.MULTILINE))
+
+
+def test_headers_of_the_core_know_no_python():
+    own = {path.name: includes(path) for path in CORE.glob("*.hpp")}
+    for name, used in own.items():
+        python = {u for u in used if "nanobind" in u or u == "Python.h"}
+        assert name.startswith("bind") or not python, name
+        assert name.startswith("bind") or not any(u.startswith("bind") for u in used), name
+    list(TopologicalSorter({name: used & own.keys() for name, used in own.items()}).static_order())
+
+
+def test_threads_have_one_home():
+    """A build for another kind of machine replaces parallel.hpp, and nothing else."""
+    openmp = re.compile(r"#pragma omp|omp_\w+\(|<omp\.h>")
+    named = {path.name for path in CORE.iterdir() if openmp.search(path.read_text(encoding="utf-8"))}
+    assert named == {"parallel.hpp"}
+
+
+def test_the_core_does_not_call_back():
+    """Bindings take arrays and numbers: no case, no file, no option of the package."""
+    for path in CORE.glob("*.cpp"):
+        assert not re.search(r'import_?\("houle|module_::import', path.read_text(encoding="utf-8")), path.name
