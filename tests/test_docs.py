@@ -71,3 +71,11 @@ def test_the_readme_names_every_command_and_case():
     commands = {info.name or info.callback.__name__ for info in app.registered_commands if info.callback}
     assert commands == set(re.findall(r"\| `houle (\w+)", README))
     assert set(shipped()) <= set(re.findall(r"`([a-z0-9-]+)`", README))
+
+
+def test_the_ci_runs_the_commands_of_the_readme():
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+    blocks = re.findall(r"```\n(pip install .*?)\n```", README)
+    assert len(blocks) == 2
+    for command in " && ".join(blocks).split(" && "):
+        assert command in script or command == "pip install .", command  # done by the install of the tests

@@ -79,7 +79,7 @@ FIELDS: tuple[Field, ...] = (
     Field(
         "volume_drift", r"\Delta V/V_0", "1", "run", "change of the water volume since the start, over the first volume"
     ),
-    Field("mean_level", r"\bar\eta", "m", "run", "mean level of the free surface over the wet columns"),
+    Field("mean_level", r"\bar\eta", "m", "run", "water in the pores under the free surface over the plan area: the volume the surface shows"),
     *(
         Field(
             f"momentum_{axis}", f"P_{axis}", "kg m s-1", "run", f"momentum of the water along {axis}", unit_2d="kg s-1"

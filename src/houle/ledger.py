@@ -34,13 +34,18 @@ class Ledger:
     @contextmanager
     def operation(self, name: str) -> Iterator[None]:
         """Times an operation and books what it did to the energy."""
+        with self.clock(name):
+            yield
+        if name in self.energy:
+            with self.clock("ledger"):
+                self._book(name)
+
+    @contextmanager
+    def clock(self, name: str) -> Iterator[None]:
+        """Times what is no change of energy."""
         begin = time.perf_counter()
         yield
-        middle = time.perf_counter()
-        if name in self.energy:
-            self._book(name)
-        self.seconds[name] = self.seconds.get(name, 0.0) + middle - begin
-        self.seconds["ledger"] = self.seconds.get("ledger", 0.0) + time.perf_counter() - middle
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
 
     def _book(self, name: str) -> None:
         flow = self.flow

@@ -28,6 +28,24 @@ def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray,
     return tuple(values[flow.order] for values in more)
 
 
+def arrange(flow: Flow, transfer: Transfer) -> None:
+    """Particles sorted, medium sampled where they are, surface found: what a step starts from and leaves."""
+    sort(flow, transfer)
+    find_surface(flow)
+
+
+def prepare(flow: Flow, transfer: Transfer, ledger: Ledger) -> None:
+    """Surface and pressure of the water as it stands at the start of a run."""
+    dt = 1e-3 * float(min(flow.grid.spacing)) ** 0.5  # s; the pressure does not depend on it
+    arrange(flow, transfer)
+    transfer.to_grid(flow)
+    apply_forces(flow, dt)
+    project(flow, dt, ledger)
+    for u in flow.velocity:
+        u[...] = 0.0
+    ledger.drag_work = 0.0
+
+
 def find_surface(flow: Flow) -> None:
     """Fill fraction of the pores of every cell; depth below the free surface; cells under water.
 

@@ -10,7 +10,17 @@ from dataclasses import dataclass
 
 from houle.flow import Flow
 from houle.ledger import Ledger
-from houle.operations import apply_forces, correct_positions, drift, find_surface, move, project, sort, viscosity
+from houle.operations import (
+    apply_forces,
+    arrange,
+    correct_positions,
+    drift,
+    find_surface,
+    move,
+    project,
+    sort,
+    viscosity,
+)
 from houle.remeshing import Remeshing
 from houle.transfer import Transfer
 
@@ -24,10 +34,7 @@ class Step:
     remeshing: Remeshing
 
     def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
-        with ledger.operation("sort"):
-            sort(flow, self.transfer)
-        with ledger.operation("surface"):
-            find_surface(flow)  # which cells hold water, where the surface cuts the grid
+        """One step of dt [s], from an arranged flow to an arranged flow."""
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
@@ -43,6 +50,8 @@ class Step:
             correct_positions(flow, self.correction, dt, ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer)  # (6), (7)
+        with ledger.clock("surface"):
+            arrange(flow, self.transfer)  # which cells hold water, where the surface cuts the grid
 
 
 @dataclass
@@ -58,14 +67,12 @@ class PaperStep:
     remeshing: Remeshing
 
     def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
-        with ledger.operation("sort"):
-            sort(flow, self.transfer)
+        """One step of dt [s], from an arranged flow to an arranged flow."""
         with ledger.operation("advection"):
             start, velocity, porosity = flow.snapshot()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n
-        with ledger.operation("sort"):
+        with ledger.clock("surface"):
             start, velocity, porosity = sort(flow, self.transfer, start, velocity, porosity)
-        with ledger.operation("surface"):
             find_surface(flow)
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)
@@ -82,6 +89,8 @@ class PaperStep:
             correct_positions(flow, self.correction, dt, ledger)
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer)
+        with ledger.clock("surface"):
+            arrange(flow, self.transfer)
 
 
 STEPS: dict[str, type[Step] | type[PaperStep]] = {"houle": Step, "jh2020": PaperStep}

@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 from rich.console import Console
 
+import houle
 import houle.runner
 from houle.case import load
 from houle.case_files import shipped
@@ -116,6 +117,12 @@ def test_mean_period_counts_zero_crossings():
     assert np.isnan(measure.mean_period(time, np.ones_like(time)))
 
 
+def test_period_mean_takes_the_ripple_off_a_trend():
+    time = np.arange(0.0, 10.0, 0.01)
+    smooth = measure.period_mean(2.0 + 0.1 * time + np.cos(2 * np.pi * time), 100.0)
+    assert smooth == pytest.approx(2.0 + 0.1 * (time[: len(smooth)] + 0.495))
+
+
 def test_noise_is_what_lies_above_the_cut():
     time = np.arange(0.0, 2.0, 0.0025)
     slow = 100.0 * np.exp(-time) + 5.0 * np.cos(2 * np.pi * 2.0 * time)
@@ -192,6 +199,26 @@ def test_column_comparison_sees_a_wrong_front(tmp_path):
         run = SimpleNamespace(case=case, series=series, fields=fields, directory=tmp_path)
         errors.append([c.name for c in comparison("porous-column").compare(run) if not c.passed])
     assert not errors[0] and len(errors[1]) == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [
+        ("porous-plug", {"domain.spacing": 0.01}),
+        ("porous-startup", {"domain.spacing": 0.01}),
+        ("porous-column-beads", {"domain.spacing": 0.01, "time.end": 0.5}),
+    ],
+)
+def test_flow_through_pores_reaches_its_targets_on_a_coarse_grid(name, overrides, tmp_path):
+    """The real solver against the exact solutions: flux, pressure jump, front."""
+    run = houle.run(load(name, overrides=overrides), out=tmp_path / "run", threads=1)
+    assert [f"{c.name} = {c.value:.3g}" for c in comparison(name).compare(run) if not c.passed] == []
+
+
+def test_blind_case_runs_unattended_to_its_last_instant(tmp_path):
+    run = houle.run(load("dam-break-rock-25", overrides={"domain.spacing": 0.02}), out=tmp_path / "run", threads=1)
+    instants = comparison("dam-break-rock-25").compare(run)[0]
+    assert run.summary["finished"] and instants.passed and instants.value == 12
 
 
 def quiet():

@@ -80,6 +80,11 @@ def sliding_amplitude(time: FloatArray, signal: FloatArray, period: float) -> tu
     return centres, np.array(found)
 
 
+def period_mean(values: FloatArray, samples: float) -> FloatArray:
+    """Running mean over a period of so many samples (the whole number next to it), full windows only."""
+    return np.convolve(values, np.full(round(samples), 1.0 / round(samples)), mode="valid")
+
+
 def mean_period(time: FloatArray, signal: FloatArray) -> float:
     """Mean period [s] from the zero crossings, straight line through their times. NaN with fewer than three."""
     at = np.flatnonzero(np.sign(signal[:-1]) * np.sign(signal[1:]) < 0)

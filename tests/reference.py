@@ -1,0 +1,481 @@
+"""Transfers, surface, forces, projection and motion in plain NumPy: what core/*.hpp computes, to be read first.
+
+Everything is written as the formula says, particle by particle and face by face; nothing is fast. `grid` is a
+houle.grid.Grid. A field of axis -1 lies at the cell centres, one of axis a on the faces across that axis.
+"""
+
+from __future__ import annotations
+
+import itertools
+from math import erf, exp, floor, isnan, sqrt
+
+import numpy as np
+
+SIGMA = 0.6  # standard deviation of the Gaussian kernels, in cells
+REACH = 3  # where they are cut, in cells
+
+# ---- kernels: (weight, second-moment term) at a distance of r cells, for a particle with an edge of `side` cells -----
+
+
+def linear(r, side):
+    return max(0.0, 1.0 - abs(r)), 0.0
+
+
+def quadratic(r, side):
+    r = abs(r)
+    return (0.75 - r * r if r < 0.5 else 0.5 * max(0.0, 1.5 - r) ** 2), 0.0
+
+
+def m4prime(r, side):
+    """Monaghan (1985), paper (7)."""
+    r = abs(r)
+    if r < 1.0:
+        return 1.0 - 2.5 * r**2 + 1.5 * r**3, 0.0
+    return (0.5 * (2.0 - r) ** 2 * (1.0 - r) if r < 2.0 else 0.0), 0.0
+
+
+def gaussian(r, side):
+    return (exp(-0.5 * (r / SIGMA) ** 2) if -REACH <= r < REACH else 0.0), 0.0
+
+
+def gaussian_taylor2(r, side):
+    """Paper (10), (11): W + M20/M00 W''/2, with the moment M20/M00 = side^2/12 of a square."""
+    return gaussian(r, side)[0], side**2 / 24.0 * ((r / SIGMA) ** 2 - 1.0) / SIGMA**2
+
+
+def gaussian_cell(r, side):
+    """The Gaussian integrated over the particle's square."""
+    if not -REACH <= r < REACH:
+        return 0.0, 0.0
+    return erf((r + side / 2) / SIGMA / sqrt(2)) - erf((r - side / 2) / SIGMA / sqrt(2)), 0.0
+
+
+KERNELS = {
+    "linear": linear,
+    "quadratic": quadratic,
+    "m4prime": m4prime,
+    "gaussian": gaussian,
+    "gaussian-taylor2": gaussian_taylor2,
+    "gaussian-cell": gaussian_cell,
+}
+
+
+def fold(i, cells, on_faces, periodic):
+    """Node i brought into the grid, and the sign with which a velocity normal to the wall is seen in its mirror."""
+    if periodic:
+        return i % cells, 1.0
+    last, sign = (cells if on_faces else cells - 1), 1.0
+    while not 0 <= i <= last:
+        low = i < 0
+        i = (-i if low else 2 * last - i) if on_faces else (-1 - i if low else 2 * last + 1 - i)
+        sign = -sign
+    return i, sign
+
+
+def stencil(grid, kernel, axis, x, side=0.0):
+    """The M nodes that a particle at x sees: indices (tuple of (M,)), weights (M,), signs (M,), reaches (M, d) [m].
+
+    The reach is from the particle to the node itself, also behind a wall or beyond a periodic side.
+    """
+    lines = []
+    for a, (n, h) in enumerate(zip(grid.shape, grid.spacing, strict=True)):
+        s = x[a] / h - (0.0 if a == axis else 0.5)
+        line = []
+        for i in range(floor(s) - 2, floor(s) + 4):
+            w, q = KERNELS[kernel](s - i, side / h)
+            node, sign = fold(i, n, a == axis, grid.periodic[a])
+            line.append((node, w, q, sign if a == axis else 1.0, (i - s) * h))
+        lines.append(np.array([entry for entry in line if entry[1] != 0.0]))
+    every = np.stack([m.ravel() for m in np.meshgrid(*[np.arange(len(line)) for line in lines], indexing="ij")])
+    node, w, q, sign, reach = np.moveaxis([line[k] for line, k in zip(lines, every, strict=True)], -1, 0)
+    weight = w.prod(axis=0) * (1.0 + q.sum(axis=0))
+    if kernel.startswith("gaussian"):
+        weight /= weight.sum()
+    return tuple(node.astype(int)), weight, sign.prod(axis=0), reach.T
+
+
+def matrices(grid, kernel, axis, position, side=None):
+    """Weights (N, nodes) of the mass and of the velocity (signed), and the moments of each axis b (d, 2, N, nodes):
+    signed weight * reach_b, and weight * reach_b^2."""
+    d, n, shape = grid.dimension, len(position), grid.shape if axis < 0 else grid.face_shape(axis)
+    sums = np.zeros((2 + 2 * d, n, *shape))
+    for p, x in enumerate(position):
+        node, w, sign, reach = stencil(grid, kernel, axis, x, 0.0 if side is None else side[p])
+        rows = [w, w * sign]
+        for b in range(d):
+            rows += [w * sign * reach[:, b], w * reach[:, b] ** 2]
+        for target, row in zip(sums, rows, strict=True):
+            np.add.at(target[p], node, row)
+    sums = sums.reshape(len(sums), n, -1)
+    return sums[0], sums[1], sums[2:].reshape(d, 2, n, -1)
+
+
+def close_periodic(grid, axis, field):
+    """The last face of a periodic axis is the first."""
+    if axis >= 0 and grid.periodic[axis]:
+        field = np.moveaxis(field, axis, 0)
+        field[-1] = field[0]
+
+
+# ---- transfers -------------------------------------------------------------------------------------------------------
+
+
+def scatter_cells(grid, position, amount):
+    plain, _, _ = matrices(grid, "linear", -1, position)
+    return (amount @ plain).reshape(grid.shape)
+
+
+def gather_cells(grid, position, field):
+    plain, _, _ = matrices(grid, "linear", -1, position)
+    return plain @ field.ravel()
+
+
+def to_faces(grid, kernel, position, side, mass, u, affine=None):
+    """(velocity, face mass): (1/m_f) sum_p m_p w_fp (u_p + C_p (x_f - x_p)), m_f = sum_p m_p w_fp."""
+    velocity, face_mass = grid.faces(), grid.faces()
+    for a in range(grid.dimension):
+        plain, signed, moments = matrices(grid, kernel, a, position, side)
+        m = mass @ plain
+        momentum = (mass * u[:, a]) @ signed
+        if affine is not None:
+            momentum += sum((mass * affine[:, a, b]) @ moments[b, 0] for b in range(grid.dimension))
+        face_mass[a][...] = m.reshape(face_mass[a].shape)
+        velocity[a][...] = np.where(m > 0, momentum / np.where(m > 0, m, 1.0), 0.0).reshape(velocity[a].shape)
+        close_periodic(grid, a, face_mass[a])
+        close_periodic(grid, a, velocity[a])
+    return velocity, face_mass
+
+
+def add_residual(grid, kernel, position, side, mass, u, face_mass, velocity):
+    """velocity + (1/m_f) sum_p m_p w_fp (u_p - interpolated velocity)."""
+    result = []
+    for a, (m, v) in enumerate(zip(face_mass, velocity, strict=True)):
+        _, signed, _ = matrices(grid, kernel, a, position, side)
+        residual = (mass * (u[:, a] - signed @ v.ravel())) @ signed
+        result.append(v + np.where(m > 0, residual.reshape(m.shape) / np.where(m > 0, m, 1.0), 0.0))
+        close_periodic(grid, a, result[a])
+    return result
+
+
+def to_particles(grid, kernel, position, side, now, change, drag, flip, u):
+    """flip (I[drag] u + I[change]) + (1 - flip) I[now]; a scalar factor has no sign behind a wall."""
+    new = np.empty_like(u)
+    for a in range(grid.dimension):
+        plain, signed, _ = matrices(grid, kernel, a, position, side)
+        new[:, a] = (1.0 - flip) * (signed @ now[a].ravel())
+        if flip > 0.0:
+            new[:, a] += flip * ((plain @ drag[a].ravel()) * u[:, a] + signed @ change[a].ravel())
+    return new
+
+
+def affine_from(grid, kernel, position, side, velocity):
+    """APIC: C_ab = sum_f w u_f r_b / sum_f w r_b^2, r = x_f - x_p (Jiang et al. 2015)."""
+    d = grid.dimension
+    affine = np.zeros((len(position), d, d))
+    for a in range(d):
+        _, _, moments = matrices(grid, kernel, a, position, side)
+        for b in range(d):
+            first, second = moments[b, 0] @ velocity[a].ravel(), moments[b, 1].sum(axis=1)
+            known = second > 1e-10 * grid.spacing[b] ** 2
+            affine[known, a, b] = first[known] / second[known]
+    return affine
+
+
+# ---- free surface ----------------------------------------------------------------------------------------------------
+
+
+def fill_of_depth(d):
+    """Tent-smoothed fill of a cell whose centre lies d cells under a flat surface: the function to be inverted."""
+    if d >= 0:
+        return 1.0 - 0.5 * (1.0 - min(d, 1.0)) ** 2
+    return 0.5 * (1.0 + max(d, -1.0)) ** 2
+
+
+def column_heights(grid, position, bulk):
+    """[m] sum_p (V/n)_p B(x_p - x_c) / plan area, quadratic B-spline across, walls folded."""
+    height = np.zeros(grid.shape[:-1])
+    area = grid.cell_volume / grid.spacing[-1]
+    for x, v in zip(position, bulk, strict=True):
+        lines = []
+        for a in range(grid.dimension - 1):
+            s = x[a] / grid.spacing[a] - 0.5
+            near = range(floor(s) - 1, floor(s) + 3)
+            lines.append([(fold(i, grid.shape[a], False, grid.periodic[a])[0], quadratic(s - i, 0)[0]) for i in near])
+        for parts in itertools.product(*lines):
+            column, w = zip(*parts, strict=True)
+            height[column] += np.prod(w) * v / area
+    return height
+
+
+def surface_fraction(d_water, d_air, least):
+    """Share of the way from the water's centre to its air neighbour's at which the surface lies."""
+    return min(1.0, max(least, d_water / (d_water - d_air)))
+
+
+# ---- faces -----------------------------------------------------------------------------------------------------------
+
+
+def shifted(i, axis, by, grid):
+    """Index i moved along an axis, wrapped where periodic; None outside the grid."""
+    j = list(i)
+    j[axis] += by
+    if grid.periodic[axis]:
+        j[axis] %= grid.shape[axis]
+    return tuple(j) if 0 <= j[axis] < grid.shape[axis] else None
+
+
+def beside(grid, axis, i):
+    """The cells below and above face i of an axis; None behind a wall."""
+    first = list(i)
+    if grid.periodic[axis]:
+        first[axis] %= grid.shape[axis]
+    low = shifted(first, axis, -1, grid)
+    return low, tuple(first) if first[axis] < grid.shape[axis] else None
+
+
+def apply_forces(grid, u, inertia, darcy, forchheimer, inverse_n2, gravity, extra, dt):
+    """(star, drag, mobility, resisted): the exponential Rosenbrock-Euler step of core/cells.hpp, face by face."""
+    d = grid.dimension
+    star, drag, mobility, resisted = grid.faces(), grid.faces(), grid.faces(), grid.faces()
+    for a in range(d):
+        for i in np.ndindex(*grid.face_shape(a)):
+            low, high = beside(grid, a, i)
+            cells = [c for c in (low, high) if c is not None]
+            low, high = low or high, high or low  # zero gradient of the porosity at a wall
+            v = np.zeros(d)
+            for b in range(d):
+                if b == a:
+                    v[b] = u[a][i]
+                else:  # mean of the four faces around
+                    around = [u[b][(*c[:b], c[b] + s, *c[b + 1 :])] for c in cells for s in (0, 1)]
+                    v[b] = np.mean(around)
+            slope = np.zeros(d)
+            slope[a] = (inverse_n2[high] - inverse_n2[low]) / grid.spacing[a]
+            for b in set(range(d)) - {a}:
+                for c in (low, high):
+                    up, down = shifted(c, b, 1, grid) or c, shifted(c, b, -1, grid) or c
+                    slope[b] += (inverse_n2[up] - inverse_n2[down]) / (4.0 * grid.spacing[b])
+            sigma = 0.5 * v @ slope
+            A, B, c = darcy[a][i], forchheimer[a][i], 1.0 / inertia[a][i]
+            speed = sqrt(v @ v)
+            R = A + B * speed + sigma
+            J = A + B * (speed + (v[a] ** 2 / speed if speed > 0 else 0.0)) + 2.0 * max(sigma, 0.0)
+            y = dt * c * J
+            phi = (1.0 - exp(-y)) / y if y > 1e-5 else 1.0 - y / 2.0
+            mobility[a][i] = phi * dt * c
+            drag[a][i] = 1.0 - phi * dt * c * R
+            resisted[a][i] = phi * dt * c * (A + B * speed)
+            star[a][i] = drag[a][i] * u[a][i] + phi * dt * c * (gravity[a] + (extra[a][i] if extra else 0.0))
+    return star, drag, mobility, resisted
+
+
+def pressure_system(grid, active, depth, open_faces, mobility, star, least):
+    """(k, e, rhs): k = open mobility / h^2; e: k / theta of the faces to air; rhs = - net outflux of star / h."""
+    k = [o * m / h**2 for o, m, h in zip(open_faces, mobility, grid.spacing, strict=True)]
+    e, rhs = grid.cells(), grid.cells()
+    for a in range(grid.dimension):
+        for i in np.ndindex(*grid.face_shape(a)):
+            if grid.periodic[a] and i[a] == grid.shape[a]:
+                continue  # the same as face 0
+            low, high = beside(grid, a, i)
+            if low is None or high is None:
+                continue
+            flux = open_faces[a][i] * star[a][i] / grid.spacing[a]
+            rhs[low] -= flux
+            rhs[high] += flux
+            for here, there in ((low, high), (high, low)):
+                if active[here] and not active[there] and k[a][i] > 0.0:
+                    e[here] += k[a][i] / surface_fraction(depth[here], depth[there], least)
+    return k, e, np.where(active, rhs, 0.0)
+
+
+def project(grid, active, depth, open_faces, mobility, p, least, star):
+    """(velocity, known): star less mobility grad p on the faces of the water, p = 0 on the surface; walls closed."""
+    u, known = [s.copy() for s in star], [np.zeros(s.shape, np.uint8) for s in star]
+    for a, h in enumerate(grid.spacing):
+        for i in np.ndindex(*grid.face_shape(a)):
+            low, high = beside(grid, a, i)
+            if low is None or high is None:
+                u[a][i], known[a][i] = 0.0, 1
+            elif (active[low] or active[high]) and open_faces[a][i] > 0.0:
+                known[a][i] = 1
+                if active[low] and active[high]:
+                    slope = (p[high] - p[low]) / h
+                elif active[low]:
+                    slope = -p[low] / h / surface_fraction(depth[low], depth[high], least)
+                else:
+                    slope = p[high] / h / surface_fraction(depth[high], depth[low], least)
+                u[a][i] -= mobility[a][i] * slope
+    return u, known
+
+
+def divergence(grid, open_faces, u):
+    """[1/s] of every cell; walls let nothing through."""
+    total = grid.cells()
+    for a, h in enumerate(grid.spacing):
+        flux = np.moveaxis(open_faces[a] * u[a], a, 0).copy()
+        if not grid.periodic[a]:
+            flux[0] = flux[-1] = 0.0
+        total += np.moveaxis(np.diff(flux, axis=0), 0, a) / h
+    return total
+
+
+def extrapolate(grid, layers, near, mass, keep_mass, u, known):
+    """(values, layer of each face): known faces carried outwards, each new one the mean of its known neighbours."""
+    values, layer_of = [v.copy() for v in u], [k.copy() for k in known]
+    for a in range(grid.dimension):
+        v, k = values[a], layer_of[a]
+        for layer in range(1, layers + 1):
+            before = k.copy()
+            for i in np.ndindex(*v.shape):
+                if before[i]:
+                    continue
+                if mass and layer == near + 1 and mass[a][i] > keep_mass:
+                    k[i] = layer + 1
+                    continue
+                found = []
+                for b in range(grid.dimension):
+                    for s in (-1, 1):
+                        j = list(i)
+                        j[b] += s
+                        if grid.periodic[b]:
+                            j[b] %= grid.shape[b]
+                        if 0 <= j[b] < v.shape[b] and before[tuple(j)]:
+                            found.append(v[tuple(j)])
+                if found:
+                    v[i], k[i] = np.mean(found), layer + 1
+        v[k == 0] = 0.0
+        close_periodic(grid, a, v)
+    return values, layer_of
+
+
+def continue_upwards(grid, layers, active, column, u):
+    """Vertical velocity on the faces above the topmost active cell, such that the cells between have div u = 0."""
+    values = [v.copy() for v in u]
+    up, nz = grid.dimension - 1, grid.shape[-1]
+    for c in np.ndindex(*grid.shape[:-1]):
+        if isnan(column[c]) or not active[c].any():
+            continue
+        top = np.flatnonzero(active[c])[-1]
+        for k in range(top + 1, min(top + 1 + layers, nz - 1)):
+            i = (*c, k)
+            squeeze = 0.0
+            for a in range(up):
+                right = tuple(n + (b == a) for b, n in enumerate(i))
+                squeeze += (u[a][right] - u[a][i]) / grid.spacing[a]
+            values[up][(*c, k + 1)] = values[up][i] - grid.spacing[up] * squeeze
+    return values
+
+
+# ---- motion ----------------------------------------------------------------------------------------------------------
+
+
+def solid_distance(grid, nodes, x):
+    """Distance and its gradient, (bi/tri)linear from the values at the grid's nodes."""
+    s = np.asarray(x) / grid.spacing
+    base = np.clip(np.floor(s).astype(int), 0, np.array(grid.shape) - 1)
+    f, value, gradient = s - base, 0.0, np.zeros(len(s))
+    for corner in itertools.product((0, 1), repeat=len(s)):
+        w = [fa if c else 1.0 - fa for fa, c in zip(f, corner, strict=True)]
+        here = nodes[tuple(base + corner)]
+        value += np.prod(w) * here
+        for a, c in enumerate(corner):
+            gradient[a] += (1 if c else -1) / grid.spacing[a] * np.prod(np.delete(w, a)) * here
+    return value, gradient
+
+
+def keep_inside(grid, nodes, gates, start, x):
+    """Where a particle that went from `start` to x is stopped: gates (x, lower edge), solids, walls; periodic sides."""
+    x = np.array(x)
+    for gate, bottom in gates:
+        if (start[0] < gate) != (x[0] < gate) and x[-1] > bottom:
+            x[0] = gate + (-1e-9 if start[0] < gate else 1e-9) * grid.spacing[0]
+    if nodes is not None:
+        distance, normal = solid_distance(grid, nodes, x)
+        if distance < 0.0 and normal @ normal > 1e-12:
+            x -= distance * normal / (normal @ normal)
+    for a, length in enumerate(grid.size):
+        margin = 1e-9 * grid.spacing[a]
+        x[a] = x[a] % length if grid.periodic[a] else min(max(x[a], margin), length - margin)
+    return x
+
+
+def face_velocity(grid, u, x):
+    """Face velocity at a point, linear."""
+    found = [stencil(grid, "linear", a, x) for a in range(grid.dimension)]
+    return np.array([w * sign @ v[node] for v, (node, w, sign, _) in zip(u, found, strict=True)])
+
+
+def cell_value(grid, field, x):
+    """Cell field at a point, linear; 1 without a field."""
+    node, w, _, _ = stencil(grid, "linear", -1, x)
+    return 1.0 if field is None else w @ field[node]
+
+
+def move(grid, u, porosity, nodes, gates, dt, position):
+    """Midpoint rule with the pore velocity u_d / n (17)."""
+    new = np.empty_like(position)
+    for p, start in enumerate(position):
+        middle = start + 0.5 * dt * face_velocity(grid, u, start) / cell_value(grid, porosity, start)
+        middle = keep_inside(grid, nodes, gates, start, middle)
+        end = start + dt * face_velocity(grid, u, middle) / cell_value(grid, porosity, middle)
+        new[p] = keep_inside(grid, nodes, gates, start, end)
+    return new
+
+
+def displace(grid, displacement, porosity, nodes, gates, limit, position):
+    """Moved by displacement / n, at most `limit` cells along each axis."""
+    new = np.empty_like(position)
+    most = limit * np.array(grid.spacing)
+    for p, start in enumerate(position):
+        step = face_velocity(grid, displacement, start) / cell_value(grid, porosity, start)
+        new[p] = keep_inside(grid, nodes, gates, start, start + np.clip(step, -most, most))
+    return new
+
+
+# ---- viscosity -------------------------------------------------------------------------------------------------------
+
+
+def eddy_viscosity(grid, u, molecular, constant):
+    """nu + (C_s Delta)^2 sqrt(2 S_ab S_ab), gradients between cell centres, one-sided at walls."""
+    d = grid.dimension
+    gradient = np.zeros((d, d, *grid.shape))
+    for a in range(d):
+        v = np.moveaxis(u[a], a, 0)
+        gradient[a, a] = np.moveaxis(np.diff(v, axis=0), 0, a) / grid.spacing[a]
+        centre = np.moveaxis(0.5 * (v[:-1] + v[1:]), 0, a)
+        for b in set(range(d)) - {a}:
+            n, h = grid.shape[b], grid.spacing[b]
+            if grid.periodic[b]:
+                gradient[a, b] = (np.roll(centre, -1, b) - np.roll(centre, 1, b)) / (2.0 * h)
+            elif n > 1:
+                gradient[a, b] = np.gradient(centre, h, axis=b)
+    strain = 0.5 * (gradient + np.swapaxes(gradient, 0, 1))
+    width = constant * grid.cell_volume ** (1.0 / d)
+    return molecular + width**2 * np.sqrt(2.0 * np.sum(strain**2, axis=(0, 1)))
+
+
+def viscous_acceleration(grid, u, mass, least, nu, porosity, no_slip):
+    """nu lap(u) / n on the faces that hold water; no gradient towards the others; u = 0 at no-slip walls."""
+    out = grid.faces()
+    for a in range(grid.dimension):
+        for i in np.ndindex(*grid.face_shape(a)):
+            low, high = beside(grid, a, i)
+            if mass[a][i] <= least or low is None or high is None:
+                continue
+            laplacian = 0.0
+            for b, h in enumerate(grid.spacing):
+                for s in (-1, 1):
+                    j = list(i)
+                    j[b] += s
+                    if grid.periodic[b]:
+                        j[b] %= grid.shape[b]
+                    if not 0 <= j[b] < u[a].shape[b]:  # behind a wall
+                        laplacian -= 2.0 * u[a][i] / h**2 if no_slip[b][s > 0] else 0.0
+                        continue
+                    at_wall = b == a and not grid.periodic[a] and j[a] in (0, grid.shape[a])
+                    if mass[a][tuple(j)] > least or at_wall:
+                        laplacian += (u[a][tuple(j)] - u[a][i]) / h**2
+            n = 1.0 if porosity is None else 0.5 * (porosity[low] + porosity[high])
+            out[a][i] = 0.5 * (nu[low] + nu[high]) * laplacian / n
+    return out
