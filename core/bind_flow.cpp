@@ -56,18 +56,19 @@ static void bind(nb::module_& m) {
       "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "Height of the water in each column of cells [m].");
   m.def(
       "find_surface",
-      [](G g, Field fill, Field open, Field height, bool columns, Field depth, Mask active, Field column, Field eta) {
+      [](G g, Field fill, Field open, Field height, Mask uniform, bool columns, Field depth, Mask active, Field column, Field eta) {
         require_cells(g, fill.size(), "fill");
         require_cells(g, open.size(), "open");
         require_cells(g, depth.size(), "depth");
         require_cells(g, active.size(), "active");
         require_size(column.size(), g.cells() / g.shape[D - 1], "column");
         require_size(height.size(), g.cells() / g.shape[D - 1], "height");
+        require_size(uniform.size(), g.cells() / g.shape[D - 1], "uniform");
         require_size(eta.size(), g.cells() / g.shape[D - 1], "eta");
         nb::gil_scoped_release release;
-        find_surface<D>(g, fill.data(), open.data(), height.data(), columns, depth.data(), active.data(), column.data(), eta.data());
+        find_surface<D>(g, fill.data(), open.data(), height.data(), uniform.data(), columns, depth.data(), active.data(), column.data(), eta.data());
       },
-      "grid"_a, "fill"_a, "open"_a, "height"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
+      "grid"_a, "fill"_a, "open"_a, "height"_a, "uniform"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "apply_forces",

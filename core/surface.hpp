@@ -48,11 +48,13 @@ inline void column_heights(const Grid<D>& g, const std::int64_t* start, const do
 // Where a column is single-valued (full below, empty above) and no steeper than 45 degrees, its surface lies where the
 // water of the whole column fills it: exact for the volume, and it answers a rise of any size, however small beside the
 // cell, which the fill of single cells does not (docs/decisions/0001). Elsewhere the depth comes from each cell's fill.
+// height: of column_heights; it counts only where porosity and openness are the same all around (`uniform`, columns).
+// Other columns add up their fill, which is exact at rest across any interface.
 // open (cells): 0 marks cells closed by solids. column, eta (grid.shape[:-1]): work space; level of the surface above
 // z = 0 [m], NaN where dry.
 template <int D>
 inline void find_surface(const Grid<D>& g, const double* fill, const double* open, const double* height,
-                         bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
+                         const std::uint8_t* uniform, bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
   // height of the water in a single-valued column, in cells; NaN where there is no such thing
@@ -68,7 +70,12 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
         bool single = top > 0 || (F[0] > 0.0 && (nz < 3 || F[2] < 1e-3));
         for (index j = bed; j < nz && single; ++j)
           single = o[j] >= 1.0 && (j + 2 < top ? F[j] > 0.8 : (j > top + 1 ? F[j] < 1e-3 : true));
-        column[c] = single && use_columns ? floor + height[c] / hz : std::numeric_limits<double>::quiet_NaN();
+        double water = height[c] / hz;
+        if (!uniform[c]) {
+          water = 0.0;
+          for (index j = 0; j < nz; ++j) water += o[j] * F[j];
+        }
+        column[c] = single && use_columns ? floor + water : std::numeric_limits<double>::quiet_NaN();
       },
       64);
   std::array<index, D> shape = g.shape;

@@ -29,7 +29,7 @@ SCHEMES: dict[str, dict[str, Any]] = {
         "flip": 0.99,
         "kernel": "linear",
         "remesh": "conservative",
-        "remesh_every": 20,
+        "remesh_every": 5,
         "correction": 0.5,
         "tolerance": 1e-7,
     },
@@ -335,7 +335,7 @@ class Numerics(Table):
     remesh: Literal["conservative", "paper", "none"] = Field(
         default="conservative", description="how particles are made regular again"
     )
-    remesh_every: int = Field(default=20, ge=1, description="steps between remeshings")
+    remesh_every: int = Field(default=5, ge=1, description="least number of steps between remeshings")
     correction: float = Field(
         default=0.5, ge=0, le=1, description="position correction towards uniform volume, 0 = off [-]"
     )

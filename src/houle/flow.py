@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
+from houle.geometry import Box
 from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
 from houle.porous import Medium
+from houle.seeding import seed
 
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
@@ -45,13 +48,13 @@ class Flow:
         self.porous = bool(np.any(medium.porosity < 1.0))
 
         g = grid
-        capacity = medium.tent_porosity * g.cell_volume  # what a tent of full pores holds [m^d]
-        self.inverse_tent_volume = np.divide(1.0, capacity, out=np.zeros_like(capacity), where=capacity > 1e-9 * g.cell_volume)
+        self.inverse_tent_volume = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
         self.fill = g.cells()  # water volume / pore volume, tent-smoothed
         self.depth = g.cells()  # of the cell centre below the free surface [cells]
         self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
         self.eta = np.zeros(g.shape[:-1])  # level of the free surface [m], NaN where dry
         self.height = np.zeros(g.shape[:-1])  # of the water standing in a column [m]
+        self.uniform = uniform_columns(grid, medium)
         self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN
         self.velocity = g.faces()  # Darcy velocity [m/s]
         self.face_mass = g.faces()  # bulk volume that each face carries [m^d]
@@ -75,7 +78,23 @@ class Flow:
         solver = _core.PressureSolver2 if g.dimension == 2 else _core.PressureSolver3
         self.solver = solver(g.core)
         self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
+        self.measure_capacity()
         self.refresh_particles()
+
+    def measure_capacity(self) -> None:
+        """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
+
+        Summed over the particles of a flooded tank and not integrated: so the fill of water at rest is 1 to round-off
+        across interfaces of any slope, where a sum over particles differs from the integral by 1e-3.
+        """
+        flood = seed(self.grid, self.medium, [Box((0.0,) * self.grid.dimension, self.grid.size)])
+        order, cell = np.zeros(len(flood), np.int64), np.zeros(len(flood), np.int64)
+        core, start = self.grid.core, np.zeros_like(self.start)
+        _core.cell_sort(core, flood.position, cell, order, start)
+        capacity = self.grid.cells()
+        _core.scatter_cells(core, start, flood.position[order], flood.volume[order], capacity)
+        least = 1e-9 * self.grid.cell_volume
+        np.divide(1.0, capacity, out=self.inverse_tent_volume, where=capacity > least)
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
@@ -146,6 +165,27 @@ class Flow:
         """u_d / n of the particles (N, d) [m/s]."""
         return self.particles.velocity / self.porosity[:, None]
 
+    def courant(self, dt: float) -> float:
+        """Cells that the fastest particle goes in dt [s]."""
+        return float(np.max(self.max_pore_speed() / self.grid.spacing)) * dt
+
     def max_pore_speed(self) -> FloatArray:
         """Largest |u_d| / n of the particles along each axis [m/s]."""
         return np.asarray(_core.max_speed(self.particles.velocity, self.porosity if self.porous else None))
+
+
+def uniform_columns(grid: Grid, medium: Medium, reach: int = 2) -> NDArray[np.uint8]:
+    """1 where a column and those within `reach` of it hold one porosity throughout and no solid, grid.shape[:-1].
+
+    Two columns on each side: the spline of column_heights sees one and a half, and the porosity at its particles is
+    interpolated from half a cell further.
+    """
+    low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
+    low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
+    for a in range(grid.dimension - 1):
+        mode = "wrap" if grid.periodic[a] else "symmetric"
+        around = [(reach, reach) if b == a else (0, 0) for b in range(grid.dimension - 1)]
+        window = 2 * reach + 1
+        low = np.lib.stride_tricks.sliding_window_view(np.pad(low, around, mode), window, a).min(axis=-1)
+        high = np.lib.stride_tricks.sliding_window_view(np.pad(high, around, mode), window, a).max(axis=-1)
+    return (high - low <= 1e-12).astype(np.uint8)

@@ -56,7 +56,7 @@ def find_surface(flow: Flow) -> None:
     flow.fill *= flow.inverse_tent_volume
     _core.column_heights(core, flow.start, position, flow.bulk, flow.height)
     _core.find_surface(
-        core, flow.fill, flow.medium.open_cells, flow.height, flow.columns, flow.depth, flow.active, flow.column,
+        core, flow.fill, flow.medium.open_cells, flow.height, flow.uniform, flow.columns, flow.depth, flow.active, flow.column,
         flow.eta,
     )  # fmt: skip
 
@@ -135,14 +135,16 @@ def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatAr
     )
 
 
-def correct_positions(flow: Flow, share: float, dt: float, ledger: Ledger) -> None:
+def rate(courant: float) -> float:
+    """Disorder is made by moving, so a step that moves little corrects little."""
+    return min(1.0, courant / FULL_CORRECTION)
+
+
+def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     """Moves particles from overfull to underfull cells: a second projection, of positions (Kugelstadt et al. 2019).
 
-    Disorder is made by moving, so a step that moves little corrects little: the share grows with the Courant number up
-    to `share`. The velocity is left as it is.
+    share: of the excess that is spread [-]. The velocity is left as it is.
     """
-    courant = float(np.max(flow.max_pore_speed() / flow.grid.spacing)) * dt
-    share *= min(1.0, courant / FULL_CORRECTION)
     if share == 0.0:
         return
     g, m = flow.grid, flow.medium

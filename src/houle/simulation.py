@@ -29,6 +29,9 @@ from houle.step import STEPS
 from houle.transfer import make
 
 
+WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
+
+
 class Simulation:
     """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation."""
 
@@ -84,20 +87,19 @@ class Simulation:
 
     def _largest_step(self) -> float:
         """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold."""
-        case, spacing = self.case.time, np.array(self.grid.spacing)
-        speed = self.flow.max_pore_speed()
+        case = self.case.time
         gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
         if case.step is not None:
-            courant = float(np.max(speed / spacing)) * case.step
+            courant = self.flow.courant(case.step)
             if courant > 1.0:
                 raise SimulationError(
-                    f"time.step = {case.step:g} s is too long: the fastest particle, {speed.max():.3g} m/s, crosses "
+                    f"time.step = {case.step:g} s is too long: the fastest particle crosses "
                     f"{courant:.2f} cells in a step, at most 1. Leave step out and give courant, or halve the step.",
                     diagnosis="The fixed time step is longer than the flow allows.",
                 )
             return case.step
-        fastest = float(np.max(speed / spacing, initial=1e-300))
-        return case.courant * min(1.0 / fastest, math.sqrt(float(spacing[-1]) / gravity))
+        fastest = max(self.flow.courant(1.0), 1e-300)
+        return case.courant * min(1.0 / fastest, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
 
     def _place_gates(self) -> None:
         """Closes the faces that the gates cover at the present time."""
@@ -171,7 +173,7 @@ class Simulation:
             "drag_work": rho * ledger.drag_work,
             "viscous_work": rho * ledger.viscous_work,
             "max_speed": float(speed.max()),
-            "courant": float(np.max(speed / self.grid.spacing)) * self.step_size,
+            "courant": flow.courant(self.step_size),
             "step_size": self.step_size,
             "particles": float(len(p)),
         }
@@ -220,6 +222,7 @@ class Simulation:
             "time": np.array(self.time),
             "steps": np.array(self.steps),
             "remesh_count": np.array(self.step.remeshing.count),
+            "remesh_travelled": np.array(self.step.remeshing.travelled),
             "step_size": np.array(self.step_size),
             "position": p.position,
             "velocity": p.velocity,
@@ -241,6 +244,7 @@ class Simulation:
         self.time, self.steps = float(state["time"]), int(state["steps"])
         self.step_size = float(state["step_size"])
         self.step.remeshing.count = int(state["remesh_count"])
+        self.step.remeshing.travelled = float(state["remesh_travelled"])
         names = ("position", "velocity", "volume")
         flow.particles = Particles(*(np.array(state[n], dtype=float, order="C") for n in names))
         flow.refresh_particles()

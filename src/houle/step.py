@@ -18,6 +18,7 @@ from houle.operations import (
     find_surface,
     move,
     project,
+    rate,
     sort,
     viscosity,
 )
@@ -47,9 +48,9 @@ class Step:
         with ledger.operation("advection"):
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("correction"):
-            correct_positions(flow, self.correction, dt, ledger)  # (14) kept at 1, on the grid
+            correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
-            self.remeshing.after_step(flow, self.transfer)  # (6), (7)
+            self.remeshing.after_step(flow, self.transfer, flow.courant(dt))  # (6), (7)
         with ledger.clock("surface"):
             arrange(flow, self.transfer)  # which cells hold water, where the surface cuts the grid
 
@@ -86,9 +87,9 @@ class PaperStep:
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
             drift(flow, start, mean, None, dt)  # (17): r + dt (u + u')/2 / n
         with ledger.operation("correction"):
-            correct_positions(flow, self.correction, dt, ledger)
+            correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)
         with ledger.operation("remeshing"):
-            self.remeshing.after_step(flow, self.transfer)
+            self.remeshing.after_step(flow, self.transfer, flow.courant(dt))
         with ledger.clock("surface"):
             arrange(flow, self.transfer)
 

@@ -1,0 +1,281 @@
+"""Forces, drag and projection on the faces: against the twin, against exact solutions, and divergence-free at the end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import reference
+from clouds import grids, random_faces, randoms
+from houle import _core
+from houle.grid import Grid
+from houle.validation.exact import PorousMedium, bernoulli_jump, duct_flow
+
+LEAST = 0.05
+CLEAR = ([], [], [], None)
+
+
+def forces(grid, u, medium, gravity, dt, extra=()):
+    """(star, drag, mobility, resisted) of the core; medium: inertia, darcy, forchheimer (faces), inverse_n2 (cells)."""
+    out = [grid.faces() for _ in range(4)]
+    _core.apply_forces(grid.core, u, *medium, gravity, list(extra), dt, *out)
+    return out
+
+
+def uniform(grid, n=1.0, a=0.0, b=0.0, inertia=1.0):
+    return grid.faces(inertia / n), grid.faces(a), grid.faces(b), grid.cells(n**-2)
+
+
+def speed_after(dt, steps, medium, drive, start=0.0):
+    """Darcy velocity of a uniform flow along x under a constant drive: no pressure acts, all faces do the same."""
+    grid = Grid((3, 2), (1.0, 1.0), (True, True))
+    u = [grid.faces(start)[0], grid.faces()[1]]
+    for _ in range(steps):
+        u = forces(grid, u, uniform(grid, **medium), (drive, 0.0), dt)[0]
+    assert np.ptp(u[0]) == 0.0 and not u[1].any()
+    return u[0][0, 0]
+
+
+# ---- against the twin ------------------------------------------------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(grids(most=6), randoms, st.sampled_from([1e-4, 0.03, 1.0]), st.booleans())
+def test_forces_against_the_twin(grid, random, dt, pushed):
+    u = random_faces(grid, random)
+    medium = [random_faces(grid, random, *range_) for range_ in ((1.0, 4.0), (0.0, 20.0), (0.0, 50.0))]
+    medium.append(random.uniform(1.0, 6.0, grid.shape))
+    extra = random_faces(grid, random) if pushed else []
+    gravity = tuple(random.normal(size=grid.dimension))
+    expected = reference.apply_forces(grid, u, *medium, gravity, extra, dt)
+    for found, twin in zip(forces(grid, u, medium, gravity, dt, extra), expected, strict=True):
+        for a, b in zip(found, twin, strict=True):
+            np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-10)
+
+
+@given(randoms, st.floats(1e-4, 0.1))
+def test_clear_water_only_falls(random, dt):
+    grid = Grid((4, 3), (1.0, 1.0), (False, False))
+    u, extra = random_faces(grid, random), random_faces(grid, random)
+    star, drag, mobility, _ = forces(grid, u, CLEAR, (0.3, -9.81), dt, extra)
+    for a, g in enumerate((0.3, -9.81)):
+        np.testing.assert_allclose(star[a], u[a] + dt * (g + extra[a]), rtol=0, atol=1e-15)
+        assert np.all(drag[a] == 1.0) and np.all(mobility[a] == dt)
+
+
+# ---- the drag --------------------------------------------------------------------------------------------------------
+
+
+@given(
+    st.floats(1e-4, 10.0), st.floats(0.1, 2000.0), st.floats(0.2, 1.0), st.floats(1.0, 1.5), st.floats(-1.0, 1.0),
+    st.floats(-5.0, 5.0),
+)  # fmt: skip
+def test_linear_drag_is_exact_for_any_step(dt, a, n, inertia, start, drive):
+    """(C_r/n) du/dt = G - a u: the exponential, whether a step resolves it or not, and so is half the step twice."""
+    exact = drive / a + (start - drive / a) * np.exp(-a * n / inertia * dt)
+    medium = {"n": n, "a": a, "inertia": inertia}
+    assert speed_after(dt, 1, medium, drive, start) == pytest.approx(exact, rel=1e-12, abs=1e-14)
+    assert speed_after(dt / 2, 2, medium, drive, start) == pytest.approx(exact, rel=1e-12, abs=1e-14)
+
+
+@given(st.floats(1e-4, 10.0), st.floats(0.0, 500.0), st.floats(0.1, 500.0), st.floats(0.2, 1.0), st.floats(0.01, 10.0))
+def test_steady_flow_stays_steady_for_any_step(dt, a, b, n, drive):
+    """G = a u + b u^2 is kept to round-off by a step of any length, and approached by it: long ones are Newton's."""
+    steady = 2.0 * drive / (a + np.sqrt(a**2 + 4.0 * b * drive))
+    medium = {"n": n, "a": a, "b": b, "inertia": 1.3}
+    assert speed_after(dt, 1, medium, drive, steady) == pytest.approx(steady, rel=1e-13)
+    assert abs(speed_after(dt, 1, medium, drive, 0.9 * steady) - steady) < 0.1 * steady
+    assert speed_after(1e3, 30, medium, drive, 0.0) == pytest.approx(steady, rel=1e-9)
+
+
+def test_quadratic_drag_is_of_second_order():
+    medium = PorousMedium(0.49, a=0.8, b=60.0, inertia=1.35)
+    end, drive = 0.02, 4.905
+    exact = duct_flow(np.array([end]), medium, drive)[0]
+    keys = {"n": medium.porosity, "a": medium.a, "b": medium.b, "inertia": medium.inertia}
+    error = [abs(speed_after(end / steps, steps, keys, drive) - exact) for steps in (10, 20, 40)]
+    assert error[0] > 3.7 * error[1] > 3.7**2 * error[2]
+    assert error[2] < 1e-3 * exact
+
+
+def test_drag_acts_along_the_velocity():
+    """A uniform oblique flow without drive keeps its direction where the drag is linear, and loses speed in any case."""
+    grid = Grid((3, 3), (1.0, 1.0), (True, True))
+    u = [grid.faces(0.3)[0], grid.faces(-0.4)[1]]
+    linear = forces(grid, u, uniform(grid, a=20.0), (0.0, 0.0), 0.05)[0]
+    np.testing.assert_allclose(linear[0] / linear[1][0, 0], -0.75)
+    star, drag, _, resisted = forces(grid, u, uniform(grid, b=20.0), (0.0, 0.0), 1e-6)
+    np.testing.assert_allclose(resisted[0], 1.0 - drag[0], atol=1e-16)
+    assert (u[0] - star[0])[0, 0] / 1e-6 == pytest.approx(20.0 * 0.5 * 0.3, rel=1e-4)  # b |u| u_x
+    assert (star[1] - u[1])[0, 0] / 1e-6 == pytest.approx(20.0 * 0.5 * 0.4, rel=1e-4)
+
+
+def test_all_that_changes_the_velocity_is_accounted_for():
+    """star = drag * old + mobility * force on every face: what the FLIP increment and the projection rely on."""
+    grid, random = Grid((5, 4), (1.0, 1.0), (False, False)), np.random.default_rng(0)
+    u = random_faces(grid, random)
+    medium = (random_faces(grid, random, 1, 3), random_faces(grid, random, 0, 30), random_faces(grid, random, 0, 30))
+    star, drag, mobility, _ = forces(grid, u, (*medium, random.uniform(1, 5, grid.shape)), (1.0, -9.81), 0.02)
+    for a, g in enumerate((1.0, -9.81)):
+        np.testing.assert_allclose(star[a], drag[a] * u[a] + mobility[a] * g, atol=1e-13)
+
+
+# ---- projection ------------------------------------------------------------------------------------------------------
+
+
+class Domain:
+    """A random body of water with air, shut and cut faces, and a mobility that jumps."""
+
+    def __init__(self, grid, random, water=0.7):
+        self.grid = grid
+        self.depth = random.uniform(-1.0, 1.0, grid.shape) + 2 * (water - 0.5)
+        self.active = (self.depth >= 0).astype(np.uint8)
+        self.open = random_faces(grid, random, 0.01, 1.0)
+        self.mobility = random_faces(grid, random, 0.001, 0.01)
+        self.star = random_faces(grid, random)
+        for a, o in enumerate(self.open):
+            o[random.random(o.shape) < 0.15] = 0.0
+            if grid.periodic[a]:
+                reference.close_periodic(grid, a, o)
+
+    def system(self):
+        k, e, rhs = self.grid.faces(), self.grid.cells(), self.grid.cells()
+        _core.pressure_system(
+            self.grid.core, self.active, self.depth, self.open, self.mobility, self.star, LEAST, k, e, rhs
+        )
+        return k, e, rhs
+
+    def project(self, p):
+        u = [s.copy() for s in self.star]
+        known = [np.zeros(s.shape, np.uint8) for s in self.star]
+        _core.project(self.grid.core, self.active, self.depth, self.open, self.mobility, p, LEAST, u, known)
+        return u, known
+
+
+@settings(max_examples=40)
+@given(grids(most=7), randoms)
+def test_pressure_system_and_projection_against_the_twin(grid, random):
+    domain = Domain(grid, random)
+    k, e, rhs = domain.system()
+    tk, te, trhs = reference.pressure_system(
+        grid, domain.active, domain.depth, domain.open, domain.mobility, domain.star, LEAST
+    )
+    for a, b in zip((*k, e, rhs), (*tk, te, trhs), strict=True):
+        np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12)
+    p = random.normal(size=grid.shape)
+    u, known = domain.project(p)
+    expected = reference.project(grid, domain.active, domain.depth, domain.open, domain.mobility, p, LEAST, domain.star)
+    for a in range(grid.dimension):
+        np.testing.assert_allclose(u[a], expected[0][a], rtol=1e-12, atol=1e-12)
+        assert np.array_equal(known[a], expected[1][a])
+    largest = np.abs(reference.divergence(grid, domain.open, u))[domain.active > 0].max(initial=0.0)
+    assert _core.max_divergence(grid.core, domain.active, domain.open, u) == pytest.approx(largest, rel=1e-12)
+
+
+@settings(max_examples=40)
+@given(grids(most=9), randoms, st.sampled_from([0.4, 0.7, 1.0]))
+def test_no_water_is_made_or_lost_after_the_projection(grid, random, water):
+    """div u = 0 in every cell that holds water, to the solver's tolerance, on any porous, cut and broken-up domain."""
+    domain = Domain(grid, random, water)
+    k, e, rhs = domain.system()
+    solver = (_core.PressureSolver2, _core.PressureSolver3)[grid.dimension - 2](grid.core)
+    p = grid.cells()
+    solver.setup(domain.active, k, e)
+    tolerance = 1e-10 * max(1.0, np.abs(rhs).max())
+    iterations, residual = solver.solve(rhs, p, tolerance, 300)[:2]
+    assert iterations >= 0 and residual <= tolerance
+    u, _ = domain.project(p)
+    scale = max(np.abs(v).max() for v in u)
+    assert _core.max_divergence(grid.core, domain.active, domain.open, u) <= tolerance + 1e-13 * scale / min(
+        grid.spacing
+    )
+
+
+@given(st.floats(0.06, 1.0), st.floats(0.5, 20.0))
+def test_still_water_feels_its_depth(theta, gravity):
+    """The pressure of a column is g times the true depth, wherever the surface cuts the cell; nothing moves after."""
+    grid = Grid((2, 8), (0.1, 0.1), (True, False))
+    depth = np.broadcast_to(4 + theta - np.arange(8), grid.shape).copy()
+    active = (depth >= 0).astype(np.uint8)
+    dt = 0.01
+    star, _, mobility, _ = forces(grid, grid.faces(), CLEAR, (0.0, -gravity), dt)
+    k, e, rhs, p = grid.faces(), grid.cells(), grid.cells(), grid.cells()
+    open_faces = grid.faces(1.0)
+    _core.pressure_system(grid.core, active, depth, open_faces, mobility, star, LEAST, k, e, rhs)
+    solver = _core.PressureSolver2(grid.core)
+    solver.setup(active, k, e)
+    solver.solve(rhs, p, 1e-12 * gravity, 100)
+    np.testing.assert_allclose(p, np.where(active, gravity * 0.1 * depth, 0.0), atol=1e-9)
+    known = [np.zeros(s.shape, np.uint8) for s in star]
+    _core.project(grid.core, active, depth, open_faces, mobility, p, LEAST, star, known)
+    assert np.abs(star[1][:, :6]).max() < 1e-11 * gravity
+
+
+@pytest.mark.parametrize("n", [0.3, 0.49, 0.8])
+@pytest.mark.parametrize("q", [0.4, -0.4])
+def test_bernoulli_jump_of_the_pressure_at_porous_faces(n, q):
+    """A duct round which water flows steadily through a plug without drag: p drops by q^2/2 (1/n^2 - 1) and recovers."""
+    grid = Grid((16, 1), (0.1, 0.1), (True, False))
+    inverse_n2 = grid.cells(1.0)
+    inverse_n2[5:11] = n**-2
+    inertia = grid.faces(1.0)
+    inertia[0][[5, 11]], inertia[0][6:11] = 0.5 * (1.0 + 1.0 / n), 1.0 / n
+    u = [grid.faces(q)[0], grid.faces()[1]]
+    dt = 1e-7  # the force at the instant
+    medium = (inertia, grid.faces(), grid.faces(), inverse_n2)
+    star, _, mobility, _ = forces(grid, u, medium, (0.0, 0.0), dt)
+    active, open_faces = np.ones(grid.shape, np.uint8), grid.faces(1.0)
+    k, e, rhs, p = grid.faces(), grid.cells(), grid.cells(), grid.cells()
+    _core.pressure_system(grid.core, active, grid.cells(1.0), open_faces, mobility, star, LEAST, k, e, rhs)
+    solver = _core.PressureSolver2(grid.core)
+    solver.setup(active, k, e)
+    solver.solve(rhs, p, 1e-10 * np.abs(rhs).max(), 200)
+    jump = bernoulli_jump(q, n)
+    assert p[2, 0] - p[8, 0] == pytest.approx(jump, rel=1e-4)
+    assert p[14, 0] - p[8, 0] == pytest.approx(jump, rel=1e-4)
+    assert np.ptp(p[:5]) < 1e-4 * jump and np.ptp(p[5:11]) < 1e-4 * jump
+
+
+# ---- velocity carried into the air -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(grids(most=8), randoms, st.integers(1, 4), st.integers(1, 3), st.booleans())
+def test_extrapolation_against_the_twin(grid, random, layers, near, with_mass):
+    u, mass = random_faces(grid, random), random_faces(grid, random, 0.0, 1.0)
+    known = [(f < 0.1).astype(np.uint8) for f in random_faces(grid, random, 0.0, 1.0)]
+    mass = mass if with_mass else []
+    expected = reference.extrapolate(grid, layers, near, mass, 0.8, u, known)
+    _core.extrapolate(grid.core, layers, near, mass, 0.8, u, known)
+    for a in range(grid.dimension):
+        np.testing.assert_allclose(u[a], expected[0][a], rtol=0, atol=1e-14)
+        assert np.array_equal(known[a], expected[1][a])
+
+
+@settings(max_examples=40)
+@given(grids(most=8), randoms, st.integers(1, 3))
+def test_water_above_the_last_pressure_cell_is_not_squeezed(grid, random, layers):
+    """div u = 0 in the `layers` cells above single-valued columns; nothing else is touched."""
+    u = random_faces(grid, random)
+    levels = random.integers(0, grid.shape[-1] + 1, grid.shape[:-1])
+    active = (np.arange(grid.shape[-1]) < levels[..., None]).astype(np.uint8)
+    column = np.where(random.random(grid.shape[:-1]) < 0.7, levels + 0.2, np.nan)
+    before = [f.copy() for f in u]
+    expected = reference.continue_upwards(grid, layers, active, column, u)
+    _core.continue_upwards(grid.core, layers, active, column, u)
+    for found, twin in zip(u, expected, strict=True):
+        np.testing.assert_allclose(found, twin, rtol=0, atol=1e-13)
+    assert all(np.array_equal(a, b) for a, b in zip(u[:-1], before[:-1], strict=True))
+    net = reference.divergence(grid, grid.faces(1.0), u)
+    for c in np.ndindex(*grid.shape[:-1]):
+        if not np.isnan(column[c]) and levels[c] > 0:
+            above = net[c][levels[c] : min(levels[c] + layers, grid.shape[-1] - 1)]
+            assert np.abs(above[_interior(grid, c)]).max(initial=0.0) < 1e-12
+
+
+def _interior(grid, column):
+    """Whether no wall stands beside the column (the test's walls let the random velocity through, the tank's do not)."""
+    inside = all(p or 0 < i < n - 1 for i, n, p in zip(column, grid.shape[:-1], grid.periodic, strict=False))
+    return slice(None) if inside else slice(0, 0)

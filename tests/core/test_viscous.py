@@ -1,0 +1,105 @@
+"""Viscosity on the faces: the twin, exact Laplacians, walls that hold or slip, and that it only takes energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+import reference
+from clouds import grids, linear_faces, random_faces, randoms
+from houle import _core
+from houle.grid import Grid
+
+
+def acceleration(grid, u, nu, porosity=None, mass=None, no_slip=None, least=0.1):
+    out = grid.faces(7.0)  # overwritten
+    no_slip = no_slip or [(False, False)] * grid.dimension
+    flags = [side for pair in no_slip for side in pair]
+    _core.viscous_acceleration(grid.core, u, mass or grid.faces(1.0), least, nu, porosity, flags, out)
+    return out
+
+
+def strained(grid, u, molecular=0.0, constant=0.15):
+    nu = grid.cells(7.0)
+    _core.eddy_viscosity(grid.core, u, molecular, constant, nu)
+    return nu
+
+
+@settings(max_examples=40)
+@given(grids(most=7), randoms)
+def test_against_the_twin(grid, random):
+    u, mass = random_faces(grid, random), random_faces(grid, random, 0.0, 1.0)
+    nu, porosity = random.uniform(0.1, 1.0, grid.shape), random.uniform(0.3, 1.0, grid.shape)
+    no_slip = [tuple(map(bool, random.integers(0, 2, 2))) for _ in range(grid.dimension)]
+    for n in (None, porosity):
+        found = acceleration(grid, u, nu, n, mass, no_slip, 0.3)
+        expected = reference.viscous_acceleration(grid, u, mass, 0.3, nu, n, no_slip)
+        for a, b in zip(found, expected, strict=True):
+            np.testing.assert_allclose(a, b, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(strained(grid, u, 0.01), reference.eddy_viscosity(grid, u, 0.01, 0.15), rtol=1e-12)
+
+
+@settings(max_examples=20)
+@given(grids(least=5), randoms)
+def test_a_linear_velocity_feels_nothing_inside_and_strains_evenly(grid, random):
+    """lap u = 0; nu_t = (C_s Delta)^2 sqrt(2 S:S), at the walls too."""
+    d = grid.dimension
+    grid = Grid(grid.shape, grid.spacing, (False,) * d)
+    gradient = random.normal(size=(d, d))
+    u = linear_faces(grid, random.normal(size=d), gradient)
+    for a in acceleration(grid, u, grid.cells(0.3)):
+        assert np.abs(a[(slice(1, -1),) * d]).max() < 1e-11
+    strain = 0.5 * (gradient + gradient.T)
+    expected = (0.15 * grid.cell_volume ** (1 / d)) ** 2 * np.sqrt(2.0 * np.sum(strain**2))
+    np.testing.assert_allclose(strained(grid, u), expected, rtol=1e-11)
+    rotation = linear_faces(grid, np.zeros(d), gradient - gradient.T)
+    assert np.abs(strained(grid, rotation)).max() < 1e-14
+
+
+def test_a_shear_wave_decays_at_its_rate():
+    """u = sin(k z): acceleration -nu k^2 u times the symbol of the second difference; divided by n in a porous body."""
+    grid = Grid((4, 32), (0.5, 1.0 / 32), (True, True))
+    k, h = 2.0 * np.pi, 1.0 / 32
+    u = [np.sin(k * grid.points(0)[..., 1]), grid.faces()[1]]
+    rate = 0.02 * (2.0 * np.sin(k * h / 2) / h) ** 2
+    np.testing.assert_allclose(acceleration(grid, u, grid.cells(0.02))[0], -rate * u[0], atol=1e-13)
+    in_pores = acceleration(grid, u, grid.cells(0.02), grid.cells(0.4))[0]
+    np.testing.assert_allclose(in_pores, -rate / 0.4 * u[0], atol=1e-12)
+    assert rate == pytest.approx(0.02 * k**2, rel=0.005)
+
+
+def test_walls_hold_or_slip():
+    """Plug flow along a floor: a slip wall leaves it alone, a no-slip wall pulls on the first face as on u(-z) = -u(z)."""
+    grid = Grid((4, 6), (1.0, 0.1), (True, False))
+    u = [np.ones(grid.face_shape(0)), grid.faces()[1]]
+    assert not acceleration(grid, u, grid.cells(0.01))[0].any()
+    held = acceleration(grid, u, grid.cells(0.01), no_slip=[(False, False), (True, False)])[0]
+    np.testing.assert_allclose(held[:, 0], -0.01 * 2.0 / 0.1**2)
+    assert not held[:, 1:].any()
+
+
+def test_poiseuille_flow_is_steady():
+    """Between two no-slip plates a drive G is balanced by nu u'' for the parabola, from the second row on exactly."""
+    grid = Grid((3, 20), (1.0, 0.05), (True, False))
+    z, nu, drive = grid.points(0)[..., 1], 0.02, 0.3
+    u = [drive / (2 * nu) * z * (1.0 - z), grid.faces()[1]]
+    a = acceleration(grid, u, grid.cells(nu), no_slip=[(False, False), (True, True)])[0]
+    np.testing.assert_allclose(a[:, 1:-1], -drive, rtol=1e-10)
+    np.testing.assert_allclose(a[:, [0, -1]], -drive, rtol=0.3)  # the wall lies half a cell from the first face
+
+
+@settings(max_examples=40)
+@given(grids(), randoms)
+def test_viscosity_only_takes_energy(grid, random):
+    """sum u . lap u <= 0 for any velocity that stands still at the walls, any water, held or slipping along them."""
+    u, mass = random_faces(grid, random), random_faces(grid, random, 0.0, 1.0)
+    for a, v in enumerate(u):
+        if not grid.periodic[a]:
+            v = np.moveaxis(v, a, 0)
+            v[0] = v[-1] = 0.0
+    no_slip = [tuple(map(bool, random.integers(0, 2, 2))) for _ in range(grid.dimension)]
+    found = acceleration(grid, u, grid.cells(0.1), mass=mass, no_slip=no_slip, least=0.3)
+    for a, (v, f) in enumerate(zip(u, found, strict=True)):
+        work = np.delete(v * f, -1, axis=a) if grid.periodic[a] else v * f
+        assert work.sum() <= 1e-12
