@@ -88,29 +88,25 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
 template <int D>
 inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* porosity, const Obstacles<D>& obstacles,
                  double dt, double* x) {
-  std::array<std::array<index, D>, D> stride;
-  for (int a = 0; a < D; ++a) stride[a] = Grid<D>::strides(g.face_shape(a));
+  const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
-    double from[D], at[D], v[D];
+    double from[D], at[D];
     for (int a = 0; a < D; ++a) from[a] = at[a] = x[D * p + a];
     for (int stage = 0; stage < 2; ++stage) {
-      double slow = 1.0;
-      if (porosity) {
-        Stencil<LinearKernel, D> st;
-        st.set(g, -1, at, 0.0);
-        slow = 0.0;
-        st.each(cell_stride, [&slow, porosity](index f, double w, double) { slow += w * porosity[f]; });
-      }
-      for (int a = 0; a < D; ++a) v[a] = at_particle<LinearKernel, D>(g, a, at, 0.0, u[a], stride[a]) / slow;
-      for (int a = 0; a < D; ++a) at[a] = from[a] + (stage ? dt : 0.5 * dt) * v[a];
+      Stencil<LinearKernel, D> st;
+      st.set(g, at);
+      const double share = stage ? dt : 0.5 * dt;
+      const double time = porosity ? share / st.template gather<-1>(cell_stride, porosity) : share;
+      each_of<D>([&](auto a) { at[a] = from[a] + time * st.template gather<a>(stride[a], u[a]); });
       keep_inside(g, obstacles, from, at);
     }
     for (int a = 0; a < D; ++a) x[D * p + a] = at[a];
   });
 }
 
-// x = from + dt u_d / n with each particle's own velocity, paper (12) and (17). porosity (n,) at the particles, null: 1.
+// x = from + dt u_d / n with each particle's own velocity, paper (12) and (17). porosity (n,) at the particles,
+// null: 1.
 template <int D>
 inline void drift(const Grid<D>& g, index n, const double* from, const double* u, const double* porosity,
                   const Obstacles<D>& obstacles, double dt, double* x) {
@@ -123,9 +119,10 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
 }
 
 // The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
-// -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a single-valued column the cells that
-// the surface cuts have none: their level is that of the column's volume, and to chase the fill of single surface cells
-// stirs the surface (docs/decisions/0001). Elsewhere, next to air, only an excess counts: a deficit is the surface.
+// -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a single-valued column the cells
+// that the surface cuts have none: their level is that of the column's volume, and to chase the fill of single surface
+// cells stirs the surface (docs/decisions/0001). Elsewhere, next to air, only an excess counts: a deficit is the
+// surface.
 template <int D>
 inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
                            const double* fill, const double* open, const double* porosity, double omega, double* rhs) {
@@ -133,12 +130,12 @@ inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const d
   parallel_for(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return;
-    const auto i = Grid<D>::unflat(c, g.shape);
     double excess = fill[c] - 1.0;
     if (!std::isnan(column[c / g.shape[D - 1]])) {
       const double d = depth[c];
       excess = d >= 1.0 ? excess : 0.0;
     } else {
+      const auto i = Grid<D>::unflat(c, g.shape);
       bool inner = true;
       index neighbours = 1;
       for (int a = 0; a < D; ++a) neighbours *= 3;
@@ -166,25 +163,18 @@ inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const d
 template <int D>
 inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const double* porosity,
                      const Obstacles<D>& obstacles, double limit, double* x, double* shift) {
-  std::array<std::array<index, D>, D> stride;
-  for (int a = 0; a < D; ++a) stride[a] = Grid<D>::strides(g.face_shape(a));
+  const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     double from[D], at[D];
-    double slow = 1.0;
     for (int a = 0; a < D; ++a) from[a] = x[D * p + a];
-    if (porosity) {
-      Stencil<LinearKernel, D> st;
-      st.set(g, -1, from, 0.0);
-      slow = 0.0;
-      st.each(cell_stride, [&slow, porosity](index f, double w, double) { slow += w * porosity[f]; });
-    }
-    for (int a = 0; a < D; ++a) {
-      double d = at_particle<LinearKernel, D>(g, a, from, 0.0, displacement[a], stride[a]) / slow;
-      const double most = limit * g.h[a];
-      d = d > most ? most : (d < -most ? -most : d);
-      at[a] = from[a] + d;
-    }
+    Stencil<LinearKernel, D> st;
+    st.set(g, from);
+    const double slow = porosity ? 1.0 / st.template gather<-1>(cell_stride, porosity) : 1.0;
+    each_of<D>([&](auto a) {
+      const double d = slow * st.template gather<a>(stride[a], displacement[a]), most = limit * g.h[a];
+      at[a] = from[a] + (d > most ? most : (d < -most ? -most : d));
+    });
     keep_inside(g, obstacles, from, at);
     for (int a = 0; a < D; ++a) {
       x[D * p + a] = at[a];

@@ -56,7 +56,8 @@ static void bind(nb::module_& m) {
         nb::gil_scoped_release release;
         scatter_cells<D>(g, start.data(), x.data(), amount.data(), out.data());
       },
-      "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a, "Tent-weighted sums of a particle amount at cell centres.");
+      "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a,
+      "Tent-weighted sums of a particle amount at cell centres.");
   m.def(
       "gather_cells",
       [](G g, Field x, Field field, Field out) {
@@ -107,7 +108,8 @@ static void bind(nb::module_& m) {
         }
         nb::gil_scoped_release release;
         with_kernel(kernel, [&](auto k) {
-          to_particles<decltype(k), D>(g, cloud, ConstFaces<D>(v), ConstFaces<D>(dv), ConstFaces<D>(dr), flip, u.data());
+          to_particles<decltype(k), D>(g, cloud, ConstFaces<D>(v), ConstFaces<D>(dv), ConstFaces<D>(dr), flip,
+                                       u.data());
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "now"_a, "change"_a, "drag"_a, "flip"_a,
@@ -126,7 +128,22 @@ static void bind(nb::module_& m) {
       "APIC's velocity gradient at the particles.");
 }
 
+static void bind_permute(nb::module_& m) {
+  m.def(
+      "permute",
+      [](Array<std::int64_t> order, Field from, Field to) {
+        const index n = static_cast<index>(order.size());
+        const index width = n ? static_cast<index>(from.size()) / n : 1;
+        require_size(from.size(), n * width, "from");
+        require_size(to.size(), n * width, "to");
+        nb::gil_scoped_release release;
+        permute(n, width, order.data(), from.data(), to.data());
+      },
+      "order"_a, "from_"_a, "to"_a, "to[k] = from_[order[k]], rows of any width.");
+}
+
 void bind_transfer(nb::module_& m) {
+  bind_permute(m);
   bind<2>(m);
   bind<3>(m);
 }

@@ -8,31 +8,45 @@ namespace houle {
 // The porous medium as the faces see it (null pointers: clear water everywhere).
 template <int D>
 struct Resistance {
-  ConstFaces<D> inertia;      // <C_r / n>
-  ConstFaces<D> darcy;        // <a> [1/s], per Darcy velocity
-  ConstFaces<D> forchheimer;  // <b> [1/m]
+  ConstFaces<D> inertia;               // <C_r / n>
+  ConstFaces<D> darcy;                 // <a> [1/s], per Darcy velocity
+  ConstFaces<D> forchheimer;           // <b> [1/m]
   const double* inverse_n2 = nullptr;  // cells <1/n^2>
 };
 
-// Velocity of the faces of all axes averaged to face i of axis a, for the magnitude in the Forchheimer term.
-template <int D>
-inline double other_component(const Grid<D>& g, int a, int b, const std::array<index, D>& i, const double* v) {
-  const auto shape = g.face_shape(b);
-  const auto stride = Grid<D>::strides(shape);
-  double sum = 0.0;
-  int count = 0;
-  for (int da = -1; da <= 0; ++da)
-    for (int db = 0; db <= 1; ++db) {
+// What surrounds the faces of axis a on one row: of the other components the four faces around, and the cells about.
+// Along the row entry k is read at kl = low(k), kh = high(k): the cells before and after the face if the row runs along
+// a, else both k. Behind a wall stands what is in front of it.
+template <int D, int a>
+struct FaceRow {
+  static constexpr int up = D - 1;
+  std::array<const double*, 4> around[D];                  // of component b: two on each side of the face
+  std::array<const double*, 2> side, after[D], before[D];  // cells: on both sides, and their neighbours along b
+
+  FaceRow(const Grid<D>& g, const std::array<index, D>& i, const ConstFaces<D>& u, const double* cells) {
+    const auto stride = Grid<D>::strides(g.shape);
+    for (int s = 0; s < 2; ++s) {
       auto j = i;
-      j[a] += da;
-      if (g.periodic[a]) j[a] = (j[a] + g.shape[a]) % g.shape[a];
-      if (j[a] < 0 || j[a] >= g.shape[a]) continue;
-      j[b] += db;
-      sum += v[Grid<D>::flat(j, stride)];
-      ++count;
+      if (a != up) j[a] = inside(i[a] - 1 + s, g.shape[a], g.periodic[a]);
+      side[s] = cells + Grid<D>::flat(j, stride);
+      for (int b = 0; b < D; ++b) {
+        if (b == a) continue;
+        const auto across = Grid<D>::strides(g.face_shape(b));
+        around[b][2 * s] = u[b] + Grid<D>::flat(j, across);
+        around[b][2 * s + 1] = around[b][2 * s] + across[b];
+        if (b == up) continue;
+        auto n = j;
+        n[b] = inside(i[b] + 1, g.shape[b], g.periodic[b]);
+        after[b][s] = cells + Grid<D>::flat(n, stride);
+        n[b] = inside(i[b] - 1, g.shape[b], g.periodic[b]);
+        before[b][s] = cells + Grid<D>::flat(n, stride);
+      }
     }
-  return count ? sum / count : 0.0;
-}
+  }
+  double other(int b, index kl, index kh) const {  // component b, averaged to the face
+    return 0.25 * (around[b][0][kl] + around[b][1][kl] + around[b][2][kh] + around[b][3][kh]);
+  }
+};
 
 // (1 - exp(-y)) / y
 inline double phi1(double y) { return y < 1e-8 ? 1.0 - 0.5 * y : -std::expm1(-y) / y; }
@@ -52,8 +66,8 @@ template <int D>
 inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium, const double* gravity,
                          ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility,
                          Faces<D> resisted) {
-  const auto cell_stride = Grid<D>::strides(g.shape);
-  for (int a = 0; a < D; ++a) {
+  each_of<D>([&](auto axis) {
+    constexpr int a = decltype(axis)::value, up = D - 1;
     const double force = gravity[a];
     const double *ua = u[a], *ex = extra[a];
     double *us = star[a], *dr = drag[a], *mo = mobility[a], *re = resisted[a];
@@ -63,65 +77,66 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
         dr[f] = 1.0;
         mo[f] = dt;
       });
-      continue;
+      return;
     }
     const double *inertia = medium.inertia[a], *A = medium.darcy[a], *B = medium.forchheimer[a];
-    const double* m = medium.inverse_n2;
+    const double* cells = medium.inverse_n2;
     const auto shape = g.face_shape(a);
-    parallel_for(g.faces(a), [=](index f) {
-      const auto i = Grid<D>::unflat(f, shape);
+    const index line = shape[up], nz = g.shape[up];
+    const auto face = [=](const FaceRow<D, a>& row, index f, index k) {
+      const index kl = a == up ? inside(k - 1, nz, g.periodic[up]) : k,
+                  kh = a == up ? inside(k, nz, g.periodic[up]) : k;
       double v[D];
       double speed2 = 0.0;
-      for (int b = 0; b < D; ++b) {
-        v[b] = b == a ? ua[f] : other_component<D>(g, a, b, i, u[b]);
+      each_of<D>([&](auto b) {
+        if constexpr (decltype(b)::value == a)
+          v[b] = ua[f];
+        else
+          v[b] = row.other(b, kl, kh);
         speed2 += v[b] * v[b];
-      }
-      // grad(1/n^2): across the face in its own axis, central in the others, zero gradient at walls
-      double sigma = 0.0;
-      index side[2];
-      for (int s = 0; s < 2; ++s) {
-        index k = i[a] - 1 + s;
-        if (g.periodic[a]) k = (k + g.shape[a]) % g.shape[a];
-        side[s] = k < 0 ? 0 : (k >= g.shape[a] ? g.shape[a] - 1 : k);
-      }
-      for (int b = 0; b < D; ++b) {
-        double slope = 0.0;
-        auto j = i;
-        if (b == a) {
-          j[a] = side[1];
-          slope = m[Grid<D>::flat(j, cell_stride)];
-          j[a] = side[0];
-          slope = (slope - m[Grid<D>::flat(j, cell_stride)]) / g.h[a];
-        } else {
-          for (int s = 0; s < 2; ++s) {
-            j[a] = side[s];
-            index up = i[b] + 1, down = i[b] - 1;
-            if (g.periodic[b]) up %= g.shape[b], down = (down + g.shape[b]) % g.shape[b];
-            j[b] = up < g.shape[b] ? up : g.shape[b] - 1;
-            slope += m[Grid<D>::flat(j, cell_stride)];
-            j[b] = down >= 0 ? down : 0;
-            slope -= m[Grid<D>::flat(j, cell_stride)];
+      });
+      const double c = 1.0 / inertia[f];
+      double R = A[f], J = A[f], taken = A[f];
+      if (speed2 > 0.0) {
+        double sigma = 0.0;  // of grad(1/n^2): across the face in its own axis, central in the others
+        each_of<D>([&](auto axis_b) {
+          constexpr int b = decltype(axis_b)::value;
+          if constexpr (b == a) {
+            sigma += 0.5 * v[b] * (row.side[1][kh] - row.side[0][kl]) / g.h[b];
+          } else if constexpr (b == up) {
+            const index ku = inside(k + 1, nz, g.periodic[up]), kd = inside(k - 1, nz, g.periodic[up]);
+            const double rise = row.side[0][ku] - row.side[0][kd] + row.side[1][ku] - row.side[1][kd];
+            sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
+          } else {
+            const double rise = row.after[b][0][kl] - row.before[b][0][kl] + row.after[b][1][kh] - row.before[b][1][kh];
+            sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
           }
-          slope /= 4.0 * g.h[b];
-        }
-        sigma += 0.5 * v[b] * slope;
+        });
+        const double speed = std::sqrt(speed2);
+        taken += B[f] * speed;
+        R = taken + sigma;
+        J = A[f] + B[f] * (speed + v[a] * v[a] / speed) + (sigma > 0.0 ? 2.0 * sigma : 0.0);
       }
-      const double speed = std::sqrt(speed2), c = 1.0 / inertia[f];
-      const double R = A[f] + B[f] * speed + sigma;
-      const double J = A[f] + B[f] * (speed + (speed > 0.0 ? v[a] * v[a] / speed : 0.0)) + (sigma > 0.0 ? 2.0 * sigma : 0.0);
       const double step = phi1(dt * c * J) * dt * c;
       dr[f] = 1.0 - step * R;
       mo[f] = step;
-      re[f] = step * (A[f] + B[f] * speed);
+      re[f] = step * taken;
       us[f] = ua[f] * dr[f] + step * (force + (ex ? ex[f] : 0.0));
-    });
-  }
+    };
+    parallel_for(
+        g.faces(a) / line,
+        [=](index r) {
+          const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, cells);
+          for (index k = 0; k < line; ++k) face(row, r * line + k, k);
+        },
+        16);
+  });
 }
 
 // Coefficients of the pressure system (15) at the true sub-cell surface:
 //   sum_f k_f (p_c - p_nb) + e_c p_c = -(1/h) sum of the net outflux of `star`   [1/s], p = pressure / density.
-// k = open mobility / h^2 on every face; e (cells): faces from an active cell to air, k / theta. mobility or star may be
-// null: then 1, and no right-hand side (the position correction). least: lower bound of theta.
+// k = open mobility / h^2 on every face; e (cells): faces from an active cell to air, k / theta. mobility or star may
+// be null: then 1, and no right-hand side (the position correction). least: lower bound of theta.
 template <int D>
 inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
                             ConstFaces<D> mobility, ConstFaces<D> star, double least, Faces<D> k, double* e,
@@ -133,48 +148,70 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
     const double h2 = 1.0 / (g.h[a] * g.h[a]);
     parallel_for(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : 1.0) * h2; });
   }
-  parallel_for(g.cells(), [=](index c) {
-    e[c] = 0.0;
-    if (star[0]) rhs[c] = 0.0;
-    if (!active[c]) return;
-    const auto i = Grid<D>::unflat(c, g.shape);
-    double air = 0.0, flux = 0.0;
-    for (int a = 0; a < D; ++a) {
-      auto face_stride = Grid<D>::strides(g.face_shape(a));
-      const index low = Grid<D>::flat(i, face_stride), high = low + face_stride[a];
-      for (int s = 0; s < 2; ++s) {
-        const index f = s ? high : low;
-        index n = i[a] + (s ? 1 : -1);
-        if (g.periodic[a]) n = (n + g.shape[a]) % g.shape[a];
-        const bool wall = n < 0 || n >= g.shape[a];
-        if (star[0] && !wall) flux += (s ? 1.0 : -1.0) * open[a][f] * star[a][f] / g.h[a];
-        if (wall) continue;
-        const index nb = c + (n - i[a]) * stride[a];
-        if (!active[nb] && k[a][f] > 0.0) air += k[a][f] / surface_fraction(depth[c], depth[nb], least);
-      }
-    }
-    e[c] = air;
-    if (star[0]) rhs[c] = -flux;
-  });
+  constexpr int up = D - 1;
+  const index nz = g.shape[up];
+  parallel_for(
+      g.cells() / nz,
+      [=](index r) {
+        const index row = r * nz, top = top_of(active + row, nz);
+        std::fill(e + row, e + row + nz, 0.0);
+        if (star[0]) std::fill(rhs + row, rhs + row + nz, 0.0);
+        if (top == 0) return;
+        const auto i = Grid<D>::unflat(r, rows_of<D>(g.shape));
+        const auto beside = rows_beside<D>(g, i, g.shape);
+        index first[D], step[D];  // face before the cell k = 0, and from there to the face after it
+        for (int a = 0; a < D; ++a) {
+          const auto stride = Grid<D>::strides(g.face_shape(a));
+          first[a] = Grid<D>::flat(i, stride);
+          step[a] = stride[a];
+        }
+        for (index j = 0; j < top; ++j) {
+          const index c = row + j;
+          if (!active[c]) continue;
+          double air = 0.0, flux = 0.0;
+          each_of<D>([&](auto axis) {
+            constexpr int a = decltype(axis)::value;
+            for (int s = 0; s < 2; ++s) {
+              index nb;
+              if constexpr (a == up) {
+                nb = s ? (j + 1 < nz ? c + 1 : (g.periodic[up] ? row : -1))
+                       : (j > 0 ? c - 1 : (g.periodic[up] ? row + nz - 1 : -1));
+              } else {
+                nb = beside[2 * a + s] < 0 ? -1 : beside[2 * a + s] + j;
+              }
+              if (nb < 0) continue;
+              const index f = first[a] + j + (s ? step[a] : 0);
+              if (star[0]) flux += (s ? 1.0 : -1.0) * open[a][f] * star[a][f] / g.h[a];
+              if (!active[nb] && k[a][f] > 0.0) air += k[a][f] / surface_fraction(depth[c], depth[nb], least);
+            }
+          });
+          e[c] = air;
+          if (star[0]) rhs[c] = -flux;
+        }
+      },
+      16);
 }
 
-// Takes the pressure gradient off the faces that touch an active cell, and closes the others (16). In place on u = star.
-// valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else 0. mobility null: 1.
+// Takes the pressure gradient off the faces that touch an active cell, and closes the others (16). In place on u =
+// star. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else 0. mobility null: 1.
 template <int D>
 inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
                     ConstFaces<D> mobility, const double* p, double least, Faces<D> u,
                     const std::array<std::uint8_t*, D>& valid) {
+  constexpr int up = D - 1;
+  const index nz = g.shape[up];
   for (int a = 0; a < D; ++a) {
     const double *o = open[a], *mo = mobility[a];
     double* ua = u[a];
     std::uint8_t* known = valid[a];
     const double h = g.h[a];
-    each_face(g, a, [=](index f, index low, index high) {
-      if (low < 0 || high < 0) {
-        ua[f] = 0.0;
-        known[f] = 1;
-        return;
-      }
+    const auto shape = g.face_shape(a);
+    const index line = shape[up];
+    const auto wall = [=](index f) {
+      ua[f] = 0.0;
+      known[f] = 1;
+    };
+    const auto face = [=](index f, index low, index high) {
       const bool wet_low = active[low], wet_high = active[high];
       known[f] = (wet_low || wet_high) && o[f] > 0.0;
       if (!known[f]) return;
@@ -186,7 +223,36 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
       } else {
         ua[f] -= step * p[high] / surface_fraction(depth[high], depth[low], least);
       }
-    });
+    };
+    parallel_for(
+        g.faces(a) / line,
+        [=](index r) {
+          const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
+          const index first = r * line;
+          std::fill(known + first, known + first + line, std::uint8_t{0});
+          if (a == up) {
+            const index row = r * nz, top = top_of(active + row, nz);
+            for (index k = 1; k <= std::min(top, nz - 1); ++k) face(first + k, row + k - 1, row + k);
+            for (index k : {index{0}, nz}) {
+              if (g.periodic[up])
+                face(first + k, row + nz - 1, row);
+              else
+                wall(first + k);
+            }
+          } else if (!g.periodic[a] && (i[a] == 0 || i[a] == g.shape[a])) {
+            for (index k = 0; k < line; ++k) wall(first + k);
+          } else {
+            const auto stride = Grid<D>::strides(g.shape);
+            auto j = i;
+            j[a] = inside(i[a] - 1, g.shape[a], true);
+            const index low = Grid<D>::flat(j, stride);
+            j[a] = inside(i[a], g.shape[a], true);
+            const index high = Grid<D>::flat(j, stride),
+                        top = std::max(top_of(active + low, nz), top_of(active + high, nz));
+            for (index k = 0; k < top; ++k) face(first + k, low + k, high + k);
+          }
+        },
+        16);
   }
 }
 
@@ -213,38 +279,49 @@ inline double max_divergence(const Grid<D>& g, const std::uint8_t* active, Const
 template <int D>
 inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> mass, double keep_mass, Faces<D> u,
                         const std::array<std::uint8_t*, D>& known) {
+  constexpr int up = D - 1;
   for (int a = 0; a < D; ++a) {
     const auto shape = g.face_shape(a);
-    const auto stride = Grid<D>::strides(shape);
+    const index line = shape[up], period = g.periodic[up] ? g.shape[up] : 0;
     double* ua = u[a];
-    std::uint8_t* k = known[a];
+    std::uint8_t* known_a = known[a];
     const double* m = mass[a];
     for (int layer = 1; layer <= layers; ++layer) {
       const std::uint8_t mark = static_cast<std::uint8_t>(layer + 1);
-      parallel_for(g.faces(a), [=](index f) {
-        if (k[f]) return;
-        if (m && layer == near + 1 && m[f] > keep_mass) {
-          k[f] = mark;
-          return;
-        }
-        const auto i = Grid<D>::unflat(f, shape);
-        double sum = 0.0;
-        int count = 0;
-        for (int b = 0; b < D; ++b)
-          for (int s = -1; s <= 1; s += 2) {
-            index j = i[b] + s;
-            const index period = g.shape[b];
-            if (g.periodic[b]) j = (j + period) % period;
-            if (j < 0 || j >= shape[b]) continue;
-            const index n = f + (j - i[b]) * stride[b];
-            if (k[n] && k[n] < mark) sum += ua[n], ++count;
-          }
-        if (!count) return;
-        ua[f] = sum / count;
-        k[f] = mark;
-      });
+      if (m && layer == near + 1)
+        parallel_for(g.faces(a), [=](index f) { known_a[f] = !known_a[f] && m[f] > keep_mass ? mark : known_a[f]; });
+      parallel_for(
+          g.faces(a) / line,
+          [=](index r) {
+            const index row = r * line;
+            const auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(shape)), shape);
+            index top = top_of(known_a + row, line);
+            for (index n : beside) top = n < 0 ? top : std::max(top, top_of(known_a + n, line));
+            top = period ? line : std::min(top + 1, line);
+            for (index j = 0; j < top; ++j) {
+              if (known_a[row + j]) continue;
+              double sum = 0.0;
+              int count = 0;
+              const auto add = [&](index f) {
+                if (known_a[f] && known_a[f] < mark) sum += ua[f], ++count;
+              };
+              for (index n : beside)
+                if (n >= 0) add(n + j);
+              if (period) {
+                add(row + (j - 1 + period) % period);
+                add(row + (j + 1) % period);
+              } else {
+                if (j > 0) add(row + j - 1);
+                if (j + 1 < line) add(row + j + 1);
+              }
+              if (!count) continue;
+              ua[row + j] = sum / count;
+              known_a[row + j] = mark;
+            }
+          },
+          16);
     }
-    parallel_for(g.faces(a), [=](index f) { if (!k[f]) ua[f] = 0.0; });
+    parallel_for(g.faces(a), [=](index f) { ua[f] = known_a[f] ? ua[f] : 0.0; });
   }
   close_periodic(g, u);
 }
@@ -257,8 +334,7 @@ inline void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* a
                              Faces<D> u) {
   constexpr int up = D - 1;
   const index nz = g.shape[up], columns = g.cells() / nz;
-  std::array<index, D> shape = g.shape;
-  shape[up] = 1;
+  const auto shape = rows_of<D>(g.shape);
   parallel_for(
       columns,
       [=](index c) {

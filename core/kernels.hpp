@@ -117,81 +117,142 @@ inline Folded fold(index i, index cells, bool on_faces, bool periodic) {
   return {i < 0 ? 0 : (i > last ? last : i), sign};
 }
 
-// The nodes around a particle for a field whose nodes lie on the faces of `component` (-1: at cell centres).
+// Calls f with 0 .. n-1: as compile-time constants where n is small, so that what it indexes stays in registers.
+template <int n, class F>
+inline void each_of(F f) {
+  if constexpr (n <= 3) {
+    f(std::integral_constant<int, 0>{});
+    if constexpr (n > 1) f(std::integral_constant<int, 1>{});
+    if constexpr (n > 2) f(std::integral_constant<int, 2>{});
+  } else {
+    for (int k = 0; k < n; ++k) f(k);
+  }
+}
+
+// The nodes that a particle reaches along one axis, on the faces across it or at the cell centres.
+template <class K>
+struct Reach {
+  index node[K::width];
+  double weight[K::width];
+  double moment[K::width];  // q of the Taylor Gaussian
+  double sign[K::width];    // of the normal component on its own axis
+  double first;  // from the particle to its first node, in cells: where that stands, not where it is folded to
+
+  // s: index coordinate, node i at i; side: particle edge in cells
+  void set(double s, double side, bool on_faces, index cells, bool periodic) {
+    const index i0 = K::first(s);
+    K::weights(s, i0, side, weight, moment);
+    first = static_cast<double>(i0) - s;
+    for (int k = 0; k < K::width; ++k) {
+      node[k] = i0 + k;
+      sign[k] = 1.0;
+    }
+    const index last = on_faces && !periodic ? cells : cells - 1;
+    if (i0 >= 0 && i0 + K::width - 1 <= last) return;
+    for (int k = 0; k < K::width; ++k) {
+      const Folded f = fold(i0 + k, cells, on_faces, periodic);
+      node[k] = f.node;
+      if constexpr (K::width > 2) sign[k] = f.sign;  // the linear kernel never reaches behind the wall face
+    }
+  }
+};
+
+// The nodes around a particle: those of the field on the faces of axis `component`, or (component -1) at cell centres.
 template <class K, int D>
 struct Stencil {
-  index node[D][K::width];
-  double weight[D][K::width];
-  double moment[D][K::width];  // q of the Taylor Gaussian
-  double sign[K::width];       // of the normal component, along its own axis
-  double reach[D];             // from the particle to its first node [m], there where it stands, not where it is folded to
-  int component;
+  Reach<K> centre[D], face[D];
 
   // x: position in metres; side: particle edge in metres
-  void set(const Grid<D>& g, int of_component, const double* x, double side) {
-    component = of_component;
-    for (int a = 0; a < D; ++a) {
-      const bool on_faces = a == component;
-      const double s = x[a] / g.h[a] - (on_faces ? 0.0 : 0.5);
-      const index i0 = K::first(s);
-      K::weights(s, i0, side / g.h[a], weight[a], moment[a]);
-      reach[a] = (static_cast<double>(i0) - s) * g.h[a];
-      const index last = on_faces && !g.periodic[a] ? g.shape[a] : g.shape[a] - 1;
-      if (i0 >= 0 && i0 + K::width - 1 <= last) {
-        for (int k = 0; k < K::width; ++k) node[a][k] = i0 + k;
-        if (on_faces)
-          for (int k = 0; k < K::width; ++k) sign[k] = 1.0;
-      } else {
-        for (int k = 0; k < K::width; ++k) {
-          const Folded f = fold(i0 + k, g.shape[a], on_faces, g.periodic[a]);
-          node[a][k] = f.node;
-          if (on_faces) sign[k] = f.sign;
-        }
-      }
-    }
+  void set_centres(const Grid<D>& g, const double* x, double side = 0.0) {
+    each_of<D>([&](auto a) { centre[a].set(x[a] / g.h[a] - 0.5, side / g.h[a], false, g.shape[a], g.periodic[a]); });
+  }
+  void set(const Grid<D>& g, const double* x, double side = 0.0) {
+    each_of<D>([&](auto a) {
+      const double s = x[a] / g.h[a], edge = side / g.h[a];
+      centre[a].set(s - 0.5, edge, false, g.shape[a], g.periodic[a]);
+      face[a].set(s, edge, true, g.shape[a], g.periodic[a]);
+    });
+  }
+
+  template <int component, int axis>
+  const Reach<K>& along() const {
+    if constexpr (axis == component)
+      return face[axis];
+    else
+      return centre[axis];
   }
 
   // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component[, offsets k[D]])
-  template <class Visit>
+  template <int component, class Visit>
   void each(const std::array<index, D>& stride, Visit visit) const {
-    if constexpr (D == 2) {
-      for (int i = 0; i < K::width; ++i)
-        for (int j = 0; j < K::width; ++j) {
-          const int k[2] = {i, j};
-          at(visit, node[0][i] * stride[0] + node[1][j], k);
+    const auto &r0 = along<component, 0>(), &r1 = along<component, 1>();
+    each_of<K::width>([&](auto i) {
+      const index row = r0.node[i] * stride[0];
+      each_of<K::width>([&](auto j) {
+        const double w = r0.weight[i] * r1.weight[j];
+        if constexpr (D == 2) {
+          double q = 1.0, sign = 1.0;
+          if constexpr (K::taylor) q += r0.moment[i] + r1.moment[j];
+          if constexpr (component == 0) sign = r0.sign[i];
+          if constexpr (component == 1) sign = r1.sign[j];
+          at(visit, row + r1.node[j], w * q, sign, {i, j});
+        } else {
+          const auto& r2 = along<component, 2>();
+          const index line = row + r1.node[j] * stride[1];
+          each_of<K::width>([&](auto l) {
+            double q = 1.0, sign = 1.0;
+            if constexpr (K::taylor) q += r0.moment[i] + r1.moment[j] + r2.moment[l];
+            if constexpr (component == 0) sign = r0.sign[i];
+            if constexpr (component == 1) sign = r1.sign[j];
+            if constexpr (component == 2) sign = r2.sign[l];
+            at(visit, line + r2.node[l], w * r2.weight[l] * q, sign, {i, j, l});
+          });
         }
-    } else {
-      for (int i = 0; i < K::width; ++i)
-        for (int j = 0; j < K::width; ++j)
-          for (int l = 0; l < K::width; ++l) {
-            const int k[3] = {i, j, l};
-            at(visit, node[0][i] * stride[0] + node[1][j] * stride[1] + node[2][l], k);
-          }
-    }
+      });
+    });
   }
 
   template <class Visit>
-  void at(Visit& visit, index flat, const int* k) const {
-    if constexpr (std::is_invocable_v<Visit&, index, double, double, const int*>)
-      visit(flat, product(k), signed_by(k), k);
+  static void at(Visit& visit, index flat, double w, double sign, std::array<int, D> k) {
+    if constexpr (std::is_invocable_v<Visit&, index, double, double, const std::array<int, D>&>)
+      visit(flat, w, sign, k);
     else
-      visit(flat, product(k), signed_by(k));
+      visit(flat, w, sign);
+  }
+  // From the particle to the node k nodes after the first, along each axis [m].
+  template <int component>
+  std::array<double, D> distance(const Grid<D>& g, const std::array<int, D>& k) const {
+    std::array<double, D> r;
+    each_of<D>([&](auto b) { r[b] = (along<component, b>().first + k[b]) * g.h[b]; });
+    return r;
   }
 
-  double product(const int* k) const {
-    double w = 1.0;
-    for (int a = 0; a < D; ++a) w *= weight[a][k[a]];
-    if constexpr (K::taylor) {
-      double q = 1.0;
-      for (int a = 0; a < D; ++a) q += moment[a][k[a]];
-      w *= q;
-    }
-    return w;
+  // The field of that component at the particle; a kernel that is not normalised is divided by the sum of its weights.
+  template <int component>
+  double gather(const std::array<index, D>& stride, const double* field) const {
+    double value = 0.0, sum = 0.0;
+    each<component>(stride, [&](index f, double w, double sign) {
+      value += w * sign * field[f];
+      sum += w;
+    });
+    return K::normalised ? value : value / sum;
   }
-  double signed_by(const int* k) const {
-    if constexpr (K::width == 2) return 1.0;  // the linear kernel never reaches behind the wall face
-    return component >= 0 ? sign[k[component]] : 1.0;
+  // Sum of the weights: 1 for a normalised kernel.
+  template <int component>
+  double total() const {
+    if constexpr (K::normalised) return 1.0;
+    double sum = 0.0;
+    each<component>({}, [&](index, double w, double) { sum += w; });
+    return sum;
   }
 };
+
+// Strides of the face fields of all axes.
+template <int D>
+inline std::array<std::array<index, D>, D> face_strides(const Grid<D>& g) {
+  std::array<std::array<index, D>, D> stride;
+  for (int a = 0; a < D; ++a) stride[a] = Grid<D>::strides(g.face_shape(a));
+  return stride;
+}
 
 }  // namespace houle

@@ -34,21 +34,36 @@ inline int get_threads() {
 }
 
 // Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this run on one thread.
+//
+// One compiled loop for any number of threads: two could contract multiply-adds differently. Each thread works on a
+// copy of the body that nothing else points to, so that the compiler keeps in registers what it captured.
 template <class Body>
-inline void parallel_for(index n, Body body, [[maybe_unused]] index grain = 1024) {
+inline void parallel_for(index n, const Body& shared, [[maybe_unused]] index grain = 1024) {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(static) if (n >= 2 * grain)
+#pragma omp parallel if (n >= 2 * grain)
 #endif
-  for (index i = 0; i < n; ++i) body(i);
+  {
+    const Body body(shared);
+#ifdef _OPENMP
+#pragma omp for schedule(static)
+#endif
+    for (index i = 0; i < n; ++i) body(i);
+  }
 }
 
 // Like parallel_for, for few and heavy iterations (slabs, columns): each is worth a thread.
 template <class Body>
-inline void parallel_for_heavy(index n, Body body) {
+inline void parallel_for_heavy(index n, const Body& shared) {
 #ifdef _OPENMP
-#pragma omp parallel for schedule(dynamic, 1) if (n > 1)
+#pragma omp parallel if (n > 1)
 #endif
-  for (index i = 0; i < n; ++i) body(i);
+  {
+    const Body body(shared);
+#ifdef _OPENMP
+#pragma omp for schedule(dynamic, 1)
+#endif
+    for (index i = 0; i < n; ++i) body(i);
+  }
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.

@@ -17,29 +17,28 @@ inline double depth_from_fill(double F) {
 }
 
 // Height of water standing in each column of cells, sum_p (V/n)_p B(x_p - x_c) / (plan area of a cell) [m], with the
-// quadratic B-spline B in the horizontal: its derivative, with which the flux between columns is taken, is the tent that
-// the position correction keeps full, so that the count of particles in a column adds no noise. Walls fold.
+// quadratic B-spline B in the horizontal: its derivative, with which the flux between columns is taken, is the tent
+// that the position correction keeps full, so that the count of particles in a column adds no noise. Walls fold.
 template <int D>
 inline void column_heights(const Grid<D>& g, const std::int64_t* start, const double* x, const double* bulk,
                            double* height) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];
-  std::array<index, D> shape = g.shape;
-  shape[D - 1] = 1;
-  const auto stride = Grid<D>::strides(shape);
+  const index across = D == 3 ? g.shape[1] : 1;
   parallel_for(columns, [=](index c) { height[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      Stencil<QuadraticKernel, D> st;
-      st.set(g, -1, x + D * p, 0.0);
       const double v = bulk[p] / area;
-      if constexpr (D == 2) {
-        for (int i = 0; i < 3; ++i) height[st.node[0][i]] += st.weight[0][i] * v;
-      } else {
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j)
-            height[st.node[0][i] * stride[0] + st.node[1][j]] += st.weight[0][i] * st.weight[1][j] * v;
-      }
+      Reach<QuadraticKernel> reach[D - 1];
+      each_of<D - 1>([&](auto a) { reach[a].set(x[D * p + a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });
+      each_of<3>([&](auto i) {
+        const index row = reach[0].node[i] * across;
+        const double w = reach[0].weight[i] * v;
+        if constexpr (D == 2)
+          height[row] += w;
+        else
+          each_of<3>([&](auto j) { height[row + reach[1].node[j]] += w * reach[1].weight[j]; });
+      });
     }
   });
 }
@@ -126,40 +125,43 @@ inline double surface_fraction(double d_water, double d_air, double least) {
   return theta < least ? least : (theta > 1.0 ? 1.0 : theta);
 }
 
-// Calls visit(face, low cell or -1, high cell or -1) for every face of axis a; a periodic axis gives each face twice.
-template <int D, class Visit>
-inline void each_face(const Grid<D>& g, int a, Visit visit) {
-  const auto face_shape = g.face_shape(a);
-  const auto stride = Grid<D>::strides(g.shape);
-  const index rows = g.faces(a) / face_shape[D - 1], line = face_shape[D - 1];
-  const bool periodic = g.periodic[a];
-  std::array<index, D> row_shape = face_shape;
-  row_shape[D - 1] = 1;
-  parallel_for(
-      rows,
-      [=](index r) {
-        auto i = Grid<D>::unflat(r, row_shape);
-        const index n = g.shape[a];
-        if (a == D - 1) {
-          const index base = Grid<D>::flat(i, stride);
-          for (index k = 0; k < line; ++k) {
-            index low = k - 1, high = k;
-            if (periodic) low = (low + n) % n, high = high % n;
-            visit(r * line + k, low >= 0 ? base + low : -1, high < n ? base + high : -1);
-          }
-        } else {
-          index low = i[a] - 1, high = i[a];
-          if (periodic) low = (low + n) % n, high = high % n;
-          auto j = i;
-          j[a] = low;
-          const index low_base = low >= 0 ? Grid<D>::flat(j, stride) : -1;
-          j[a] = high;
-          const index high_base = high < n ? Grid<D>::flat(j, stride) : -1;
-          for (index k = 0; k < line; ++k)
-            visit(r * line + k, low_base >= 0 ? low_base + k : -1, high_base >= 0 ? high_base + k : -1);
-        }
-      },
-      16);
+// ---- rows: the lines of a field along the last axis, its columns of cells or faces ----------------------------------
+
+// The shape of the rows of a field.
+template <int D>
+inline std::array<index, D> rows_of(std::array<index, D> shape) {
+  shape[D - 1] = 1;
+  return shape;
+}
+
+// Number i of n brought back from just outside: around a periodic axis, or onto the end.
+inline index inside(index i, index n, bool periodic) {
+  if (i < 0) return periodic ? i + n : 0;
+  if (i >= n) return periodic ? i - n : n - 1;
+  return i;
+}
+
+// Where the rows beside row i of a field of that shape begin: [2b] the one before along axis b, [2b+1] the one after;
+// -1 behind a wall.
+template <int D>
+inline std::array<index, 2 * D - 2> rows_beside(const Grid<D>& g, const std::array<index, D>& i,
+                                                const std::array<index, D>& shape) {
+  const auto stride = Grid<D>::strides(shape);
+  const index here = Grid<D>::flat(i, stride);
+  std::array<index, 2 * D - 2> rows;
+  for (int b = 0; b < D - 1; ++b)
+    for (int s = 0; s < 2; ++s) {
+      index j = i[b] + (s ? 1 : -1);
+      if (g.periodic[b]) j = (j + g.shape[b]) % g.shape[b];
+      rows[2 * b + s] = j < 0 || j >= shape[b] ? -1 : here + (j - i[b]) * stride[b];
+    }
+  return rows;
+}
+
+// One more than the last entry of a row that is not 0: above, there is nothing to do.
+inline index top_of(const std::uint8_t* mask, index n) {
+  while (n > 0 && !mask[n - 1]) --n;
+  return n;
 }
 
 }  // namespace houle

@@ -34,9 +34,24 @@ inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int64_t* 
   start[0] = 0;
 }
 
+// to[k] = from[order[k]] for rows of `width` numbers.
+inline void permute(index n, index width, const std::int64_t* order, const double* from, double* to) {
+  if (width == 1) {
+    parallel_for(n, [=](index k) { to[k] = from[order[k]]; });
+  } else if (width == 2) {
+    parallel_for(n, [=](index k) {
+      for (int a = 0; a < 2; ++a) to[2 * k + a] = from[2 * order[k] + a];
+    });
+  } else {
+    parallel_for(n, [=](index k) {
+      for (index a = 0; a < width; ++a) to[width * k + a] = from[width * order[k] + a];
+    });
+  }
+}
+
 // Runs slab(p_begin, p_end) over all particles, each slab of columns once, neighbours never at the same time.
 template <int D, class Slab>
-inline void each_slab(const Grid<D>& g, const std::int64_t* start, Slab slab) {
+inline void each_slab(const Grid<D>& g, const std::int64_t* start, const Slab& slab) {
   constexpr index columns = 8;  // at least twice the reach of the widest kernel
   const index nx = g.shape[0], plane = g.cells() / nx, slabs = std::max<index>(1, nx / columns);
   const auto range = [=](index s) {
@@ -75,9 +90,9 @@ inline void scatter_cells(const Grid<D>& g, const std::int64_t* start, const dou
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
       Stencil<LinearKernel, D> st;
-      st.set(g, -1, x + D * p, 0.0);
+      st.set_centres(g, x + D * p);
       const double v = amount[p];
-      st.each(stride, [=](index f, double w, double) { out[f] += w * v; });
+      st.template each<-1>(stride, [=](index f, double w, double) { out[f] += w * v; });
     }
   });
 }
@@ -88,10 +103,8 @@ inline void gather_cells(const Grid<D>& g, index n, const double* x, const doubl
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     Stencil<LinearKernel, D> st;
-    st.set(g, -1, x + D * p, 0.0);
-    double v = 0.0;
-    st.each(stride, [&v, field](index f, double w, double) { v += w * field[f]; });
-    out[p] = v;
+    st.set_centres(g, x + D * p);
+    out[p] = st.template gather<-1>(stride, field);
   });
 }
 
@@ -112,86 +125,72 @@ struct Cloud {
 template <class K, int D>
 inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, const double* affine, Faces<D> velocity,
                      Faces<D> mass) {
+  const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double *m = mass[a], *v = velocity[a];
-    const auto stride = Grid<D>::strides(g.face_shape(a));
     parallel_for(g.faces(a), [=](index f) { m[f] = v[f] = 0.0; });
-    each_slab(g, cloud.start, [=](index begin, index end) {
-      for (index p = begin; p < end; ++p) {
-        Stencil<K, D> st;
-        st.set(g, a, cloud.x + D * p, cloud.edge(p));
-        double scale = cloud.mass[p];
-        if constexpr (!K::normalised) {
-          double sum = 0.0;
-          st.each(stride, [&sum](index, double w, double) { sum += w; });
-          scale /= sum;
-        }
-        const double up = u[D * p + a];
+  }
+  each_slab(g, cloud.start, [=](index begin, index end) {
+    for (index p = begin; p < end; ++p) {
+      Stencil<K, D> st;
+      st.set(g, cloud.x + D * p, cloud.edge(p));
+      each_of<D>([&](auto a) {
+        double *m = mass[a], *v = velocity[a];
+        const double up = u[D * p + a], scale = cloud.mass[p] / st.template total<a>();
         if (!affine) {
           const double mu = scale * up;
-          st.each(stride, [=](index f, double w, double s) {
+          st.template each<a>(stride[a], [=](index f, double w, double sign) {
             m[f] += w * scale;
-            v[f] += w * s * mu;
+            v[f] += w * sign * mu;
           });
         } else {
           const double* C = affine + D * D * p + D * a;
-          st.each(stride, [=, &st](index f, double w, double s, const int* k) {
+          st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+            const auto r = st.template distance<a>(g, k);
             double value = up;
-            for (int b = 0; b < D; ++b) value += C[b] * (st.reach[b] + k[b] * g.h[b]);
+            for (int b = 0; b < D; ++b) value += C[b] * r[b];
             m[f] += w * scale;
-            v[f] += w * s * scale * value;
+            v[f] += w * sign * scale * value;
           });
         }
-      }
-    });
+      });
+    }
+  });
+  for (int a = 0; a < D; ++a) {
+    double *m = mass[a], *v = velocity[a];
     parallel_for(g.faces(a), [=](index f) { v[f] = m[f] > 0.0 ? v[f] / m[f] : 0.0; });
   }
   close_periodic(g, mass);
   close_periodic(g, velocity);
 }
 
-// Interpolation of the face velocity of axis a to one particle.
-template <class K, int D>
-inline double at_particle(const Grid<D>& g, int a, const double* x, double side, const double* field,
-                          const std::array<index, D>& stride) {
-  Stencil<K, D> st;
-  st.set(g, a, x, side);
-  double value = 0.0, sum = 0.0;
-  st.each(stride, [&](index f, double w, double s) {
-    value += w * s * field[f];
-    if constexpr (!K::normalised) sum += w;
-  });
-  if constexpr (!K::normalised) value /= sum;
-  return value;
-}
-
 // One term of the full-mass-matrix transfer, FMPM(k) (Nairn & Hammerquist 2021; XPIC, Hammerquist & Nairn 2017):
 // velocity += (1/m_f) sum_p m_p w_fp (u_p - (interpolated velocity)_p). Repeated, it converges to the velocity whose
 // interpolation is nearest to the particles' in the mass-weighted norm: the conservative l2 projection (Maljaars 2018).
 template <class K, int D>
-inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* u, ConstFaces<D> mass, Faces<D> velocity,
-                         Faces<D> work) {
+inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* u, ConstFaces<D> mass,
+                         Faces<D> velocity, Faces<D> work) {
+  const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
-    double *r = work[a], *v = velocity[a];
-    const double* m = mass[a];
-    const auto stride = Grid<D>::strides(g.face_shape(a));
+    double* r = work[a];
     parallel_for(g.faces(a), [=](index f) { r[f] = 0.0; });
-    each_slab(g, cloud.start, [=](index begin, index end) {
-      for (index p = begin; p < end; ++p) {
-        Stencil<K, D> st;
-        st.set(g, a, cloud.x + D * p, cloud.edge(p));
-        double value = 0.0, sum = 0.0;
-        st.each(stride, [&](index f, double w, double s) {
-          value += w * s * v[f];
-          sum += w;
-        });
-        if constexpr (!K::normalised) value /= sum;
-        double mr = cloud.mass[p] * (u[D * p + a] - value);
-        if constexpr (!K::normalised) mr /= sum;
-        st.each(stride, [=](index f, double w, double s) { r[f] += w * s * mr; });
-      }
-    });
-    parallel_for(g.faces(a), [=](index f) { if (m[f] > 0.0) v[f] += r[f] / m[f]; });
+  }
+  each_slab(g, cloud.start, [=](index begin, index end) {
+    for (index p = begin; p < end; ++p) {
+      Stencil<K, D> st;
+      st.set(g, cloud.x + D * p, cloud.edge(p));
+      each_of<D>([&](auto a) {
+        double* r = work[a];
+        const double lacking = u[D * p + a] - st.template gather<a>(stride[a], velocity[a]);
+        const double mr = cloud.mass[p] / st.template total<a>() * lacking;
+        st.template each<a>(stride[a], [=](index f, double w, double sign) { r[f] += w * sign * mr; });
+      });
+    }
+  });
+  for (int a = 0; a < D; ++a) {
+    const double *m = mass[a], *r = work[a];
+    double* v = velocity[a];
+    parallel_for(g.faces(a), [=](index f) { v[f] += m[f] > 0.0 ? r[f] / m[f] : 0.0; });
   }
   close_periodic(g, velocity);
 }
@@ -202,53 +201,45 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
 template <class K, int D>
 inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> now, ConstFaces<D> change,
                          ConstFaces<D> drag, double flip, double* u) {
-  for (int a = 0; a < D; ++a) {
-    const auto stride = Grid<D>::strides(g.face_shape(a));
-    const double *vn = now[a], *dv = change[a], *dr = drag[a];
-    parallel_for(cloud.n, [=](index p) {
-      Stencil<K, D> st;
-      st.set(g, a, cloud.x + D * p, cloud.edge(p));
-      double value = 0.0, added = 0.0, factor = 0.0, sum = 0.0;
-      st.each(stride, [&](index f, double w, double s) {
-        value += w * s * vn[f];
-        if (flip > 0.0) {
-          added += w * s * dv[f];
-          factor += w * dr[f];
-        }
-        if constexpr (!K::normalised) sum += w;
-      });
-      if constexpr (!K::normalised) {
-        value /= sum;
-        added /= sum;
-        factor /= sum;
-      }
+  const auto stride = face_strides(g);
+  parallel_for(cloud.n, [=](index p) {
+    Stencil<K, D> st;
+    st.set(g, cloud.x + D * p, cloud.edge(p));
+    each_of<D>([&](auto a) {
       double& up = u[D * p + a];
-      up = flip > 0.0 ? flip * (factor * up + added) + (1.0 - flip) * value : value;
+      const double value = st.template gather<a>(stride[a], now[a]);
+      if (flip > 0.0) {
+        double factor = 0.0;
+        st.template each<a>(stride[a], [&](index f, double w, double) { factor += w * drag[a][f]; });
+        factor /= st.template total<a>();
+        up = flip * (factor * up + st.template gather<a>(stride[a], change[a])) + (1.0 - flip) * value;
+      } else {
+        up = value;
+      }
     });
-  }
+  });
 }
 
 // APIC's velocity gradient (n, D, D), row a: C_ab = sum_f w u_f (x_f - x_p)_b / sum_f w (x_f - x_p)_b^2 (Jiang 2015).
 template <class K, int D>
 inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
-  for (int a = 0; a < D; ++a) {
-    const auto stride = Grid<D>::strides(g.face_shape(a));
-    const double* v = velocity[a];
-    parallel_for(cloud.n, [=](index p) {
-      Stencil<K, D> st;
-      st.set(g, a, cloud.x + D * p, cloud.edge(p));
+  const auto stride = face_strides(g);
+  parallel_for(cloud.n, [=](index p) {
+    Stencil<K, D> st;
+    st.set(g, cloud.x + D * p, cloud.edge(p));
+    each_of<D>([&](auto a) {
       double first[D] = {}, second[D] = {};
-      st.each(stride, [&](index f, double w, double s, const int* k) {
+      st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+        const auto r = st.template distance<a>(g, k);
         for (int b = 0; b < D; ++b) {
-          const double r = st.reach[b] + k[b] * g.h[b];
-          first[b] += w * s * v[f] * r;
-          second[b] += w * r * r;
+          first[b] += w * sign * velocity[a][f] * r[b];
+          second[b] += w * r[b] * r[b];
         }
       });
       for (int b = 0; b < D; ++b)
         affine[D * D * p + D * a + b] = second[b] > 1e-10 * g.h[b] * g.h[b] ? first[b] / second[b] : 0.0;
     });
-  }
+  });
 }
 
 }  // namespace houle

@@ -25,7 +25,8 @@ inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, 
             slope[q] = (u[of][Grid<D>::flat(hi, stride)] - u[of][Grid<D>::flat(lo, stride)]) / span;
             continue;
           }
-          lo[along] = g.periodic[along] ? (i[along] - 1 + g.shape[along]) % g.shape[along] : std::max<index>(i[along] - 1, 0);
+          lo[along] =
+              g.periodic[along] ? (i[along] - 1 + g.shape[along]) % g.shape[along] : std::max<index>(i[along] - 1, 0);
           hi[along] = g.periodic[along] ? (i[along] + 1) % g.shape[along] : std::min(i[along] + 1, g.shape[along] - 1);
           span *= g.periodic[along] ? 2.0 : static_cast<double>(hi[along] - lo[along]);
           if (span <= 0.0) {
@@ -47,43 +48,65 @@ inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, 
 // no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water (ghost value -u), else it slips.
 // nu (cells), porosity (cells, null: 1), mass (faces) and the least mass of a face that holds water.
 template <int D>
-inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least,
-                                 const double* nu, const double* porosity, const bool* no_slip, Faces<D> out) {
+inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, const double* nu,
+                                 const double* porosity, const bool* no_slip, Faces<D> out) {
   std::array<bool, 2 * D> hold;
   for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
-  const auto cell_stride = Grid<D>::strides(g.shape);
-  for (int a = 0; a < D; ++a) {
+  constexpr int up = D - 1;
+  const index nz = g.shape[up];
+  each_of<D>([&](auto axis) {
+    constexpr int a = decltype(axis)::value;
     const auto shape = g.face_shape(a);
-    const auto stride = Grid<D>::strides(shape);
+    const index line = shape[up];
     const double *v = u[a], *m = mass[a];
     double* o = out[a];
-    parallel_for(g.faces(a), [=](index f) {
-      o[f] = 0.0;
-      if (m[f] <= least) return;
-      const auto i = Grid<D>::unflat(f, shape);
-      if (!g.periodic[a] && (i[a] == 0 || i[a] == g.shape[a])) return;
-      double laplacian = 0.0;
-      for (int b = 0; b < D; ++b)
-        for (int s = 0; s < 2; ++s) {
-          index j = i[b] + (s ? 1 : -1);
-          if (g.periodic[b]) j = (j + g.shape[b]) % g.shape[b];
-          if (j < 0 || j >= shape[b]) {  // a wall along which this component runs
-            if (hold[2 * b + s]) laplacian -= 2.0 * v[f] / (g.h[b] * g.h[b]);
-            continue;
+    std::array<double, D> inverse_h2;
+    for (int b = 0; b < D; ++b) inverse_h2[b] = 1.0 / (g.h[b] * g.h[b]);
+    parallel_for(
+        g.faces(a) / line,
+        [=](index r) {
+          const index row = r * line;
+          std::fill(o + row, o + row + line, 0.0);
+          const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
+          if (a != up && !g.periodic[a] && (i[a] == 0 || i[a] == g.shape[a])) return;
+          const auto beside = rows_beside<D>(g, i, shape);
+          const auto stride = Grid<D>::strides(g.shape);
+          auto cell = i;
+          if (a != up) cell[a] = inside(i[a] - 1, g.shape[a], true);
+          const index low = Grid<D>::flat(cell, stride);
+          if (a != up) cell[a] = inside(i[a], g.shape[a], true);
+          const index high = Grid<D>::flat(cell, stride);
+          for (index k = 0; k < line; ++k) {
+            const index f = row + k;
+            if (m[f] <= least || (a == up && !g.periodic[up] && (k == 0 || k == nz))) continue;
+            double laplacian = 0.0;
+            each_of<D>([&](auto axis_b) {
+              constexpr int b = decltype(axis_b)::value;
+              for (int s = 0; s < 2; ++s) {
+                index n;
+                bool end;  // the neighbour is a face of the wall across a
+                if constexpr (b == up) {
+                  const index j = g.periodic[up] ? inside(k + (s ? 1 : -1), nz, true) : k + (s ? 1 : -1);
+                  n = j < 0 || j >= line ? -1 : row + j;
+                  end = a == up && !g.periodic[up] && (j == 0 || j == nz);
+                } else {
+                  n = beside[2 * b + s] < 0 ? -1 : beside[2 * b + s] + k;
+                  end = a == b && !g.periodic[b] && (s ? i[b] + 1 == g.shape[b] : i[b] == 1);
+                }
+                if (n < 0) {  // a wall along which this component runs
+                  if (hold[2 * b + s]) laplacian -= 2.0 * v[f] * inverse_h2[b];
+                } else if (m[n] > least || end) {
+                  laplacian += (v[n] - v[f]) * inverse_h2[b];
+                }
+              }
+            });
+            const index cl = a == up ? low + inside(k - 1, nz, true) : low + k, ch = a == up ? high + k % nz : high + k;
+            const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
+            o[f] = 0.5 * (nu[cl] + nu[ch]) * laplacian / n;
           }
-          const index n = f + (j - i[b]) * stride[b];
-          if (m[n] > least || (b == a && !g.periodic[a] && (j == 0 || j == g.shape[a])))
-            laplacian += (v[n] - v[f]) / (g.h[b] * g.h[b]);
-        }
-      auto low = i;
-      low[a] = g.periodic[a] ? (i[a] - 1 + g.shape[a]) % g.shape[a] : i[a] - 1;
-      auto high = i;
-      high[a] = i[a] % g.shape[a];
-      const index cl = Grid<D>::flat(low, cell_stride), ch = Grid<D>::flat(high, cell_stride);
-      const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
-      o[f] = 0.5 * (nu[cl] + nu[ch]) * laplacian / n;
-    });
-  }
+        },
+        16);
+  });
 }
 
 }  // namespace houle
