@@ -260,8 +260,37 @@ inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, doub
   return best;
 }
 
+// All that `given` at node `from` has goes to `taken` at node `onto`, with its centre where it was.
+template <int D>
+inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> given, Gathered<D>& taken) {
+  const auto i = Grid<D>::unflat(from, l.shape), j = Grid<D>::unflat(onto, l.shape);
+  for (int a = 0; a < D; ++a) {
+    index step = i[a] - j[a];
+    if (l.periodic[a] && 2 * std::abs(step) > l.shape[a]) step += step > 0 ? -l.shape[a] : l.shape[a];
+    given.moment[a] += given.volume * static_cast<double>(step) * l.h[a];
+  }
+  taken.take(1, given);
+}
+
+// A node still in debt (the negative lobes of M4' in thin water) is paid off by the fullest node of its class around
+// that has more than the debt, however far: rare, so one by one.
+template <int D>
+inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std::int32_t* class_of, Gathered<D>* nodes,
+                  std::vector<unsigned char>& gone) {
+  const std::int32_t* number = receivers.number.data();
+  for (index r = 0; r < receivers.count(); ++r) {
+    if (gone[r] || nodes[r].bulk > 0) continue;
+    for (int radius = 2; radius <= 32 && !gone[r]; radius *= 2) {
+      const index to = fullest_neighbour(l, receivers.node[r], radius, -nodes[r].bulk, number, class_of, nodes);
+      if (to < 0) continue;
+      hand_over(l, receivers.node[r], to, nodes[r], nodes[number[to]]);
+      gone[r] = 1;
+    }
+  }
+}
+
 // Nodes that hold less than `keep` of a half cell (or less than nothing: M4' has negative lobes) give it all away. On
-// return gone[r] tells which; a little water with no neighbour to go to stays.
+// return gone[r] tells which; a little water with no neighbour to go to stays (but none below nothing).
 template <int D>
 inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers,
                                               const std::int32_t* class_of, Gathered<D>* nodes) {
@@ -276,21 +305,14 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
     if (nodes[r].volume == 0 || nodes[r].bulk >= enough) return;
     for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
       to[r] = fullest_neighbour(l, node[r], radius, enough, number, class_of, nodes);
-    if (to[r] < 0 && nodes[r].bulk <= 0) to[r] = fullest_neighbour(l, node[r], 3, 0.0, number, class_of, nodes);
   });
   for (index r = 0; r < count; ++r) {
     gone[r] = nodes[r].volume == 0;
     if (to[r] < 0) continue;
-    Gathered<D> given = nodes[r];
-    const auto from = Grid<D>::unflat(node[r], l.shape), onto = Grid<D>::unflat(to[r], l.shape);
-    for (int a = 0; a < D; ++a) {
-      index step = from[a] - onto[a];
-      if (l.periodic[a] && std::abs(step) > 3) step += step > 0 ? -l.shape[a] : l.shape[a];
-      given.moment[a] += given.volume * static_cast<double>(step) * l.h[a];
-    }
-    nodes[number[to[r]]].take(1, given);
+    hand_over(l, node[r], to[r], nodes[r], nodes[number[to[r]]]);
     gone[r] = 1;
   }
+  repay(l, receivers, class_of, nodes, gone);
   return gone;
 }
 
