@@ -273,15 +273,17 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> g
 }
 
 // A node still in debt (the negative lobes of M4' in thin water) is paid off by the fullest node of its class around
-// that has more than the debt, however far: rare, so one by one.
+// that has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not, where
+// the porosity changes.
 template <int D>
 inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std::int32_t* class_of, Gathered<D>* nodes,
                   std::vector<unsigned char>& gone) {
   const std::int32_t* number = receivers.number.data();
   for (index r = 0; r < receivers.count(); ++r) {
-    if (gone[r] || nodes[r].bulk > 0) continue;
+    if (gone[r] || (nodes[r].bulk > 0 && nodes[r].volume > 0)) continue;
+    const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
     for (int radius = 2; radius <= 32 && !gone[r]; radius *= 2) {
-      const index to = fullest_neighbour(l, receivers.node[r], radius, -nodes[r].bulk, number, class_of, nodes);
+      const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, class_of, nodes);
       if (to < 0) continue;
       hand_over(l, receivers.node[r], to, nodes[r], nodes[number[to]]);
       gone[r] = 1;
