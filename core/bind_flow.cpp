@@ -55,20 +55,35 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "Height of the water in each column of cells [m].");
   m.def(
+      "column_levels",
+      [](G g, Field tent_volume, Array<std::int64_t> column, Array<std::int64_t> start, Field pieces, Field level) {
+        static_assert(sizeof(CapacityPiece) == 5 * sizeof(double));
+        const index count = static_cast<index>(column.size());
+        require_cells(g, tent_volume.size(), "tent volume");
+        require_size(start.size(), count + 1, "start");
+        require_size(pieces.size(), 5 * start.data()[count], "pieces");
+        require_size(level.size(), g.cells() / g.shape[D - 1], "level");
+        nb::gil_scoped_release release;
+        column_levels<D>(g, tent_volume.data(), count, column.data(), start.data(),
+                         reinterpret_cast<const CapacityPiece*>(pieces.data()), level.data());
+      },
+      "grid"_a, "tent_volume"_a, "column"_a, "start"_a, "pieces"_a, "level"_a,
+      "Level to which their water fills the pores of the listed columns [m].");
+  m.def(
       "find_surface",
-      [](G g, Field fill, Field open, Field height, Mask uniform, bool columns, Field depth, Mask active, Field column, Field eta) {
+      [](G g, Field fill, Field open, Field level, bool columns, Field depth, Mask active, Field column, Field eta) {
         require_cells(g, fill.size(), "fill");
         require_cells(g, open.size(), "open");
         require_cells(g, depth.size(), "depth");
         require_cells(g, active.size(), "active");
         require_size(column.size(), g.cells() / g.shape[D - 1], "column");
-        require_size(height.size(), g.cells() / g.shape[D - 1], "height");
-        require_size(uniform.size(), g.cells() / g.shape[D - 1], "uniform");
+        require_size(level.size(), g.cells() / g.shape[D - 1], "level");
         require_size(eta.size(), g.cells() / g.shape[D - 1], "eta");
         nb::gil_scoped_release release;
-        find_surface<D>(g, fill.data(), open.data(), height.data(), uniform.data(), columns, depth.data(), active.data(), column.data(), eta.data());
+        find_surface<D>(g, fill.data(), open.data(), level.data(), columns, depth.data(), active.data(), column.data(),
+                        eta.data());
       },
-      "grid"_a, "fill"_a, "open"_a, "height"_a, "uniform"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
+      "grid"_a, "fill"_a, "open"_a, "level"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "apply_forces",
@@ -85,7 +100,8 @@ static void bind(nb::module_& m) {
         apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b, re);
       },
       "grid"_a, "u"_a, "inertia"_a, "darcy"_a, "forchheimer"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
-      "star"_a, "drag"_a, "mobility"_a, "resisted"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
+      "star"_a, "drag"_a, "mobility"_a, "resisted"_a,
+      "Body forces, implicit porous resistance and Bernoulli term over one step.");
   m.def(
       "pressure_system",
       [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, FaceFields star, double least,
@@ -207,7 +223,8 @@ static void bind(nb::module_& m) {
         require_cells(g, depth.size(), "depth");
         require_size(column.size(), g.cells() / g.shape[D - 1], "column");
         nb::gil_scoped_release release;
-        density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity), omega, rhs.data());
+        density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity),
+                          omega, rhs.data());
       },
       "grid"_a, "active"_a, "depth"_a, "column"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
       "Right-hand side of the position correction: the share of each cell's excess fill to be spread.");

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "columns.hpp"
 #include "transfer.hpp"
 
 namespace houle {
@@ -48,34 +49,35 @@ inline void column_heights(const Grid<D>& g, const std::int64_t* start, const do
 // Where a column is single-valued (full below, empty above) and no steeper than 45 degrees, its surface lies where the
 // water of the whole column fills it: exact for the volume, and it answers a rise of any size, however small beside the
 // cell, which the fill of single cells does not (docs/decisions/0001). Elsewhere the depth comes from each cell's fill.
-// height: of column_heights; it counts only where porosity and openness are the same all around (`uniform`, columns).
-// Other columns add up their fill, which is exact at rest across any interface.
+// level (columns) [m]: to which its water fills each column: of column_heights where porosity and openness are the same
+// all around, else of column_levels.
 // open (cells): 0 marks cells closed by solids. column, eta (grid.shape[:-1]): work space; level of the surface above
 // z = 0 [m], NaN where dry.
 template <int D>
-inline void find_surface(const Grid<D>& g, const double* fill, const double* open, const double* height,
-                         const std::uint8_t* uniform, bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
+inline void find_surface(const Grid<D>& g, const double* fill, const double* open, const double* level,
+                         bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
-  // height of the water in a single-valued column, in cells; NaN where there is no such thing
+  // ground: closed cells at the bottom of a column
+  const auto ground = [=](index c) {
+    index k = 0;
+    while (k < nz && open[c * nz + k] <= 0.0) ++k;
+    return k;
+  };
+  // level of the water in a single-valued column, in cells; NaN where there is no such thing
   parallel_for(
       columns,
       [=](index c) {
         const double *F = fill + c * nz, *o = open + c * nz;
         index bed = 0, k = 0;
-        double floor = 0.0;  // height of the solid ground, in cells
-        while (bed < nz && o[bed] < 1.0 && (bed == 0 || o[bed] >= o[bed - 1])) floor += 1.0 - o[bed], ++bed;
+        while (bed < nz && o[bed] < 1.0 && (bed == 0 || o[bed] >= o[bed - 1])) ++bed;
         while (k < nz && (o[k] <= 0.0 || F[k] >= 0.5)) ++k;
         const index top = k;  // first cell less than half full
         bool single = top > 0 || (F[0] > 0.0 && (nz < 3 || F[2] < 1e-3));
         for (index j = bed; j < nz && single; ++j)
           single = o[j] >= 1.0 && (j + 2 < top ? F[j] > 0.8 : (j > top + 1 ? F[j] < 1e-3 : true));
-        double water = height[c] / hz;
-        if (!uniform[c]) {
-          water = 0.0;
-          for (index j = 0; j < nz; ++j) water += o[j] * F[j];
-        }
-        column[c] = single && use_columns ? floor + water : std::numeric_limits<double>::quiet_NaN();
+        column[c] = single && use_columns ? std::max(level[c] / hz, static_cast<double>(ground(c)))
+                                          : std::numeric_limits<double>::quiet_NaN();
       },
       64);
   std::array<index, D> shape = g.shape;
@@ -105,7 +107,7 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
           if (!wet && o[k] > 0.0 && top >= 0) ++holes;  // trapped air of two cells at most is looked through
         }
         if (gentle) {
-          eta[c] = column[c] > 1e-6 ? column[c] * hz : std::numeric_limits<double>::quiet_NaN();
+          eta[c] = column[c] > ground(c) + 1e-6 ? column[c] * hz : std::numeric_limits<double>::quiet_NaN();
         } else if (top >= 0) {
           const double d = depth[c * nz + top], above = top + 1 < nz ? depth[c * nz + top + 1] : -1.0;
           eta[c] = (top + 0.5 + d / (d - std::min(above, 0.0) + 1e-300)) * hz;

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from houle import _core
+from houle.columns import Capacity
 from houle.geometry import Box
 from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
@@ -53,8 +53,8 @@ class Flow:
         self.depth = g.cells()  # of the cell centre below the free surface [cells]
         self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
         self.eta = np.zeros(g.shape[:-1])  # level of the free surface [m], NaN where dry
-        self.height = np.zeros(g.shape[:-1])  # of the water standing in a column [m]
-        self.uniform = uniform_columns(grid, medium)
+        self.level = np.zeros(g.shape[:-1])  # to which its water fills each column [m]
+        self.mixed = Capacity.of(grid, medium)  # of the columns with interfaces or solids
         self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN
         self.velocity = g.faces()  # Darcy velocity [m/s]
         self.face_mass = g.faces()  # bulk volume that each face carries [m^d]
@@ -172,20 +172,3 @@ class Flow:
     def max_pore_speed(self) -> FloatArray:
         """Largest |u_d| / n of the particles along each axis [m/s]."""
         return np.asarray(_core.max_speed(self.particles.velocity, self.porosity if self.porous else None))
-
-
-def uniform_columns(grid: Grid, medium: Medium, reach: int = 2) -> NDArray[np.uint8]:
-    """1 where a column and those within `reach` of it hold one porosity throughout and no solid, grid.shape[:-1].
-
-    Two columns on each side: the spline of column_heights sees one and a half, and the porosity at its particles is
-    interpolated from half a cell further.
-    """
-    low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
-    low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
-    for a in range(grid.dimension - 1):
-        mode = "wrap" if grid.periodic[a] else "symmetric"
-        around = [(reach, reach) if b == a else (0, 0) for b in range(grid.dimension - 1)]
-        window = 2 * reach + 1
-        low = np.lib.stride_tricks.sliding_window_view(np.pad(low, around, mode), window, a).min(axis=-1)
-        high = np.lib.stride_tricks.sliding_window_view(np.pad(high, around, mode), window, a).max(axis=-1)
-    return (high - low <= 1e-12).astype(np.uint8)

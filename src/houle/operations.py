@@ -51,14 +51,14 @@ def find_surface(flow: Flow) -> None:
 
     Valid for particles moved by up to two cells since they were sorted.
     """
-    core, position = flow.grid.core, flow.particles.position
+    core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
     _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill)
+    _core.column_heights(core, flow.start, position, flow.bulk, flow.level)
+    _core.column_levels(core, flow.fill, mixed.column, mixed.start, mixed.pieces, flow.level)
     flow.fill *= flow.inverse_tent_volume
-    _core.column_heights(core, flow.start, position, flow.bulk, flow.height)
     _core.find_surface(
-        core, flow.fill, flow.medium.open_cells, flow.height, flow.uniform, flow.columns, flow.depth, flow.active, flow.column,
-        flow.eta,
-    )  # fmt: skip
+        core, flow.fill, flow.medium.open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column, flow.eta
+    )
 
 
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
