@@ -106,15 +106,17 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
           if (wet && holes <= 2) top = k, holes = 0;
           if (!wet && o[k] > 0.0 && top >= 0) ++holes;  // trapped air of two cells at most is looked through
         }
+        const index bed = ground(c);
         if (gentle) {
-          eta[c] = column[c] > ground(c) + 1e-6 ? column[c] * hz : std::numeric_limits<double>::quiet_NaN();
+          const bool dry = column[c] <= bed + 1e-6 || (o[bed] < 1.0 && F[bed] <= 1e-6);
+          eta[c] = dry ? std::numeric_limits<double>::quiet_NaN() : column[c] * hz;
         } else if (top >= 0) {
           const double d = depth[c * nz + top], above = top + 1 < nz ? depth[c * nz + top + 1] : -1.0;
           eta[c] = (top + 0.5 + d / (d - std::min(above, 0.0) + 1e-300)) * hz;
         } else {  // a film thinner than half a cell, or nothing
           double height = 0.0;
-          for (index k = 0; k < std::min<index>(nz, 2); ++k) height += F[k];
-          eta[c] = height > 1e-6 ? height * hz : std::numeric_limits<double>::quiet_NaN();
+          for (index k = bed; k < std::min<index>(nz, bed + 2); ++k) height += o[k] * std::min(F[k], 1.0);
+          eta[c] = height > 1e-6 ? (bed + 1.0 - o[bed] + height) * hz : std::numeric_limits<double>::quiet_NaN();
         }
       },
       64);

@@ -57,8 +57,9 @@ def find_surface(flow: Flow) -> None:
     _core.column_levels(core, flow.fill, mixed.column, mixed.start, mixed.pieces, flow.level)
     flow.fill *= flow.inverse_tent_volume
     _core.find_surface(
-        core, flow.fill, flow.medium.open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column, flow.eta
-    )
+        core, flow.fill, flow.medium.open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
+        flow.eta,
+    )  # fmt: skip
 
 
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:

