@@ -28,7 +28,7 @@ SCHEMES: Rows = {
     ),
     "jh2020": (
         "The combination of the founding paper: second-order Taylor Gaussian as kernel with particles of size "
-        "dx/n^(1/d), PIC transfer, M'4 remeshing as in (6)-(7) every 200 steps, time stepping (12)-(17), with the "
+        "dx/n^(1/d), pressure gradient added to the particles' own velocity, M'4 remeshing as in (6)-(7) every 200 steps, time stepping (12)-(17), with the "
         "corrections without which it does not hold (pore velocity in (12), (17); powers of n in (13); tensor product "
         "in (7)). Kept to quantify its defect at the free surface, not for work.",
         PAPER,
@@ -39,10 +39,6 @@ TRANSFERS: Rows = {
         "Grid velocities from the full mass matrix, inverted to `order` terms: filters out what the grid cannot see. "
         "order 1 is PIC; many terms approach the conservative l2 projection.",
         "Nairn & Hammerquist (2021), Comput. Methods Appl. Mech. Eng. 377; Maljaars et al. (2018) for the projection",
-    ),
-    "xpic": (
-        "As FLIP, with the noise in the null space of the transfer removed to `order` terms.",
-        "Hammerquist & Nairn (2017), Comput. Methods Appl. Mech. Eng. 318",
     ),
     "flip": (
         "Particles keep their velocity and take the change of the grid's; `flip` is its share, the rest is PIC.",
@@ -72,6 +68,11 @@ KERNELS: Rows = {
         "Gaussian with the second moments of the particle's own square, of side dx/n^(1/d), by a Taylor series.",
         f"{PAPER}, (8)-(11); after Beaudoin, Huberson & Rivoalen (2003)",
     ),
+    "gaussian-cell": (
+        "Gaussian integrated exactly over the particle's own square: a difference of error functions per axis, what "
+        "the Taylor series approaches.",
+        "docs/theory.md",
+    ),
 }
 REMESHING: Rows = {
     "conservative": (
@@ -88,12 +89,12 @@ REMESHING: Rows = {
 OTHERS: Rows = {
     "correction": (
         "Second pressure solve that moves particles towards the volume of their cells; the share of the error removed "
-        "per step, 0 = off.",
+        "by a step in which the fastest particle crosses a quarter of a cell or more, less in shorter ones; 0 = off.",
         "Kugelstadt, Longva, Thuerey & Bender (2019), IEEE Trans. Vis. Comput. Graph.",
     ),
     "tolerance": ("Largest relative volume change max |div u_d| dt that the pressure solve may leave.", "-"),
-    "remesh_every": ("Steps between two remeshings.", "-"),
-    "order": ("Number of terms of fmpm and xpic.", "-"),
+    "remesh_every": ("Least number of steps between two remeshings; water that has hardly moved is left alone.", "-"),
+    "order": ("Number of terms of fmpm.", "-"),
     "flip": ("Share of FLIP in its blend with PIC; transfer flip only.", "-"),
 }
 
