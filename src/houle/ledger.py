@@ -66,5 +66,11 @@ class Ledger:
         self.kinetic, self.potential = self.flow.kinetic_energy(), self.flow.potential_energy()
         self.on_grid = False
 
+    def close(self) -> None:
+        """At the end of a step: to move with the same u_d to another porosity is to change V/n and C_r/n."""
+        kinetic = self.flow.kinetic_energy()
+        self.energy["advection"] += kinetic - self.kinetic
+        self.kinetic = kinetic
+
     def note(self, **values: float) -> None:
         self.notes.update(values)

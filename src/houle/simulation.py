@@ -77,6 +77,7 @@ class Simulation:
         self.ledger.open()
         try:
             self.step.advance(self.flow, self.step_size, self.ledger)
+            self.ledger.close()
             self.time = stop if count == 1 else self.time + self.step_size
             self.steps += 1
             self._check()

@@ -58,7 +58,7 @@ def test_motion_against_the_twin(grid, random, porous, obstructed):
 
 
 def test_solid_body_rotation_is_of_second_order():
-    """Linear fields are interpolated exactly, so what is left is the midpoint rule: radius kept to dt^3 a revolution."""
+    """Linear fields are interpolated exactly, so what is left is the midpoint rule."""
     grid = Grid((10, 10), (0.1, 0.1), (False, False))
     u = linear_faces(grid, np.array([0.5, -0.5]), np.array([[0.0, -1.0], [1.0, 0.0]]))  # once round in 2 pi s
     start = np.array([[0.8, 0.5], [0.5, 0.6], [0.3, 0.35]])
@@ -86,7 +86,7 @@ def test_uniform_flow_goes_round_a_periodic_tank(d):
 
 
 def test_water_in_the_pores_is_faster():
-    """u_d / n: through a bed of porosity 0.4 in 0.4 of the time; where the porosity changes, along its straight line."""
+    """u_d / n: through a bed of porosity 0.4 in 0.4 of the time; linear in between."""
     grid = Grid((40, 2), (0.05, 0.05), (False, True))
     u = linear_faces(grid, np.array([0.1, 0.0]), np.zeros((2, 2)))
     for c in (u[0][0], u[0][-1]):

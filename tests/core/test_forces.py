@@ -1,4 +1,4 @@
-"""Forces, drag and projection on the faces: against the twin, against exact solutions, and divergence-free at the end."""
+"""Forces, drag and projection on the faces: against the twin, exact solutions, and no divergence at the end."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def test_quadratic_drag_is_of_second_order():
 
 
 def test_drag_acts_along_the_velocity():
-    """A uniform oblique flow without drive keeps its direction where the drag is linear, and loses speed in any case."""
+    """A uniform oblique flow without drive keeps its direction where the drag is linear."""
     grid = Grid((3, 3), (1.0, 1.0), (True, True))
     u = [grid.faces(0.3)[0], grid.faces(-0.4)[1]]
     linear = forces(grid, u, uniform(grid, a=20.0), (0.0, 0.0), 0.05)[0]
@@ -188,9 +188,7 @@ def test_no_water_is_made_or_lost_after_the_projection(grid, random, water):
     assert iterations >= 0 and residual <= tolerance
     u, _ = domain.project(p)
     scale = max(np.abs(v).max() for v in u)
-    assert _core.max_divergence(grid.core, domain.active, domain.open, u) <= tolerance + 1e-13 * scale / min(
-        grid.spacing
-    )
+    assert _core.max_divergence(grid.core, domain.active, domain.open, u) <= tolerance + 1e-13 * scale
 
 
 @given(st.floats(0.06, 1.0), st.floats(0.5, 20.0))
@@ -216,7 +214,7 @@ def test_still_water_feels_its_depth(theta, gravity):
 @pytest.mark.parametrize("n", [0.3, 0.49, 0.8])
 @pytest.mark.parametrize("q", [0.4, -0.4])
 def test_bernoulli_jump_of_the_pressure_at_porous_faces(n, q):
-    """A duct round which water flows steadily through a plug without drag: p drops by q^2/2 (1/n^2 - 1) and recovers."""
+    """Flow round a duct through a plug without drag: p drops by q^2/2 (1/n^2 - 1) where it enters, and recovers."""
     grid = Grid((16, 1), (0.1, 0.1), (True, False))
     inverse_n2 = grid.cells(1.0)
     inverse_n2[5:11] = n**-2
@@ -276,6 +274,6 @@ def test_water_above_the_last_pressure_cell_is_not_squeezed(grid, random, layers
 
 
 def _interior(grid, column):
-    """Whether no wall stands beside the column (the test's walls let the random velocity through, the tank's do not)."""
+    """Everything, or nothing beside a wall: these random velocities go through it."""
     inside = all(p or 0 < i < n - 1 for i, n, p in zip(column, grid.shape[:-1], grid.periodic, strict=False))
     return slice(None) if inside else slice(0, 0)

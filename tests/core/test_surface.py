@@ -34,7 +34,8 @@ def find(grid, fill, height=None, columns=True, open_cells=None):
     column, eta = np.zeros(grid.shape[:-1]), np.zeros(grid.shape[:-1])
     height = np.zeros(grid.shape[:-1]) if height is None else height
     open_cells = grid.cells(1.0) if open_cells is None else open_cells
-    _core.find_surface(grid.core, fill, open_cells, height, columns, depth, active, column, eta)
+    uniform = np.ones(grid.shape[:-1], np.uint8)
+    _core.find_surface(grid.core, fill, open_cells, height, uniform, columns, depth, active, column, eta)
     return depth, active, column, eta
 
 
@@ -84,8 +85,10 @@ def test_flat_surface_is_exact_from_the_columns(d, level):
     np.testing.assert_allclose(flow.depth, np.broadcast_to(under, grid.shape), rtol=0, atol=1e-10)
 
 
-@pytest.mark.xfail(reason="a column weighs V/n with the interpolated porosity, not the sharp one", strict=True)
-@pytest.mark.parametrize("body", ["bed", "block", "slope"])
+CUT = pytest.mark.xfail(reason="the cell that surface and interface share is filled by its mean porosity", strict=True)
+
+
+@pytest.mark.parametrize("body", [pytest.param("bed", marks=CUT), "block", pytest.param("slope", marks=CUT)])
 def test_flat_surface_is_exact_in_and_beside_a_porous_body(body):
     """Over a bed, beside a block whose faces lie on the grid or not, and to a thousandth of a cell where it slopes."""
     grid = Grid((20, 16), (0.5, 0.5), (False, False))
@@ -162,11 +165,11 @@ def test_trapped_air_of_two_cells_is_looked_through_and_a_drop_high_above_is_not
 
 
 def test_solid_cells_hold_no_pressure_and_ground_raises_the_level():
-    """A closed step of three cells under water at 4.4: dry inside, and the column's level counts from the ground."""
+    """A closed step of two cells under water at 4.4: dry inside, and the column's level counts from the ground."""
     grid = Grid((12, 8), (1.0, 1.0), (False, False))
-    flow = at_rest(grid, 4.4, solids=[Box((-1.0, -1.0), (5.0, 3.0))])
-    assert not flow.active[:5, :3].any()
-    assert flow.active[:, 3].all()
+    flow = at_rest(grid, 4.4, solids=[Box((-1.0, -1.0), (5.0, 2.0))])
+    assert not flow.active[:5, :2].any()
+    assert flow.active[:, 2:4].all()
     assert flow.active[6:, :4].all()
     np.testing.assert_allclose(flow.eta[[0, 1, 2, 8, 9, 10, 11]], 4.4, atol=1e-9)
 

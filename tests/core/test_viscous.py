@@ -70,7 +70,7 @@ def test_a_shear_wave_decays_at_its_rate():
 
 
 def test_walls_hold_or_slip():
-    """Plug flow along a floor: a slip wall leaves it alone, a no-slip wall pulls on the first face as on u(-z) = -u(z)."""
+    """Plug flow along a floor: a slip wall leaves it alone, a no-slip wall acts as u(-z) = -u(z)."""
     grid = Grid((4, 6), (1.0, 0.1), (True, False))
     u = [np.ones(grid.face_shape(0)), grid.faces()[1]]
     assert not acceleration(grid, u, grid.cells(0.01))[0].any()

@@ -1,0 +1,67 @@
+"""The ledger: what the operations did to the energy adds up to what happened, and drag and viscosity only take."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from situations import DAM_BREAK, run, simulation
+
+from houle.ledger import OPERATIONS
+
+CHOICES = list(itertools.product(("houle", "jh2020"), ("fmpm", "flip", "pic", "apic")))
+
+
+def energy(sim):
+    return sim.flow.kinetic_energy() + sim.flow.potential_energy()
+
+
+@pytest.mark.parametrize(("scheme", "transfer"), CHOICES)
+@pytest.mark.parametrize("looked_at", [False, True], ids=["", "after-frames"])
+def test_the_operations_add_up(scheme, transfer, looked_at):
+    """Kinetic + potential energy at the end less that at the start, to round-off, frames being written or not."""
+    sim = simulation(
+        DAM_BREAK, numerics__scheme=scheme, numerics__transfer=transfer, numerics__remesh_every=6,
+        numerics__remesh="conservative",
+    )  # fmt: skip
+    start = energy(sim)
+    for _ in range(20):
+        run(sim, 1)
+        if looked_at:
+            sim.frame()
+    change = energy(sim) - start
+    assert sum(sim.ledger.energy.values()) == pytest.approx(change, abs=1e-13 * abs(start) * 20)
+    assert set(sim.ledger.energy) == set(OPERATIONS)
+    assert abs(change) > 1e-3 * abs(start)
+
+
+def test_a_dam_break_turns_potential_into_kinetic_energy_and_drag():
+    """Nothing makes energy: what is left, and what the drag has taken, is no more than there was."""
+    sim = simulation(DAM_BREAK)
+    start = energy(sim)
+    run(sim, 60)
+    assert sim.ledger.drag_work > 0.0 and sim.ledger.viscous_work >= 0.0
+    assert energy(sim) + sim.ledger.drag_work <= start * (1 + 1e-3)
+    row = sim.sample()
+    assert row["drag_work"] == pytest.approx(1000.0 * sim.ledger.drag_work)
+    assert row["kinetic_energy"] + row["potential_energy"] == pytest.approx(1000.0 * energy(sim), rel=1e-12)
+
+
+def test_gravity_alone_does_its_work():
+    """A block of water in free fall: forces and advection book m g h, to the second order of the step."""
+    sim = simulation(
+        {
+            "case": {"name": "fall"},
+            "domain": {"size": [0.2, 0.6], "spacing": 0.02},
+            "water": [{"box": [[0.06, 0.4], [0.14, 0.5]]}],
+            "time": {"end": 1.0, "step": 0.002},
+            "numerics": {"remesh": "none", "correction": 0.0},
+        }
+    )
+    run(sim, 50)
+    fallen = 0.5 * 9.81 * sim.time**2
+    work = 9.81 * fallen * sim.particles.total_volume
+    assert sim.flow.kinetic_energy() == pytest.approx(work, rel=1e-3)
+    assert sim.ledger.energy["advection"] == pytest.approx(-work, rel=0.03)  # of first order in the step: 1/50
+    assert sim.ledger.energy["forces"] + sim.ledger.energy["projection"] == pytest.approx(work, rel=1e-3)
+    assert abs(sim.ledger.energy["transfer"]) < 1e-6 * work
