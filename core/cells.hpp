@@ -246,8 +246,10 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
             for (index k : {index{0}, nz}) {
               if (g.periodic[up])
                 face(first + k, row + nz - 1, row);
-              else
+              else if (k == 0 || active[row + nz - 1])
                 wall(first + k);
+              else  // spray may leave a dry lid; a wall there would hold it
+                ua[first + k] = std::min(ua[first + k], 0.0);
             }
           } else if (!g.periodic[a] && (i[a] == 0 || i[a] == g.shape[a])) {
             for (index k = 0; k < line; ++k) wall(first + k);

@@ -38,7 +38,10 @@ struct Lattice {  // the nodes, and where a position lies among them
     if (periodic[a]) return i < 0 ? i + n : (i >= n ? i - n : i);
     return i < 0 ? -1 - i : (i >= n ? 2 * n - 1 - i : i);
   }
-  double scaled(int a, double x) const { return std::clamp(x / h[a], 0.0, static_cast<double>(shape[a])); }
+  double scaled(int a, double x) const {  // in spacings; what is not a number counts as 0, not as a place in memory
+    const double s = x / h[a];
+    return s > 0.0 ? std::min(s, static_cast<double>(shape[a])) : 0.0;
+  }
   index half_cell(const double* x) const {  // the node whose half cell holds x
     index f = 0;
     for (int a = 0; a < D; ++a) f += std::min(static_cast<index>(scaled(a, x[a])), shape[a] - 1) * stride[a];
@@ -394,12 +397,14 @@ inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const ParticleView<D>
       if (number[node] >= 0) nodes[number[node]].take(w, g);
     });
   });
+  double least = 1.0;  // porosity: the mean of a node, with weights of both signs, is kept within those there are
+  for (index i = 0; i < p.n; ++i) least = std::min(least, p.porosity[i]);
   ParticleArrays<D> out(receivers.count());
   const index* node = receivers.node.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
   parallel_for(receivers.count(), [=, &l](index r) {
     const auto at = Grid<D>::unflat(node[r], l.shape);
-    volume[r] = std::min(1.0, nodes[r].volume / nodes[r].bulk) * l.volume;
+    volume[r] = std::clamp(nodes[r].volume / nodes[r].bulk, least, 1.0) * l.volume;
     for (int a = 0; a < D; ++a) {
       x[r * D + a] = (static_cast<double>(at[a]) + 0.5) * l.h[a];
       u[r * D + a] = nodes[r].momentum[a] / nodes[r].volume;

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.seeding import seed
+from houle.viscosity import Smoothing
 
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
@@ -80,6 +82,12 @@ class Flow:
         self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
         self.measure_capacity()
         self.refresh_particles()
+
+    @cached_property
+    def smoothing(self) -> Smoothing:
+        """Sums over neighbouring particles, within two cells."""
+        walls = tuple("no-slip" if side else "slip" for side in self.no_slip)
+        return Smoothing(self.grid, walls, 2.0 * max(self.grid.spacing))
 
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.

@@ -79,6 +79,23 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     ledger.viscous_work -= dt * sum(float(np.vdot(m_f * u, f)) for m_f, u, f in parts)
 
 
+def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
+    """The paper's viscous term on the particles, added to their velocities: n/C_r nu_eff lap(u_d / n) dt."""
+    if flow.viscosity == 0.0 and flow.smagorinsky == 0.0:
+        return
+    flow.sample_medium()
+    p, near, velocity = flow.particles, flow.smoothing, flow.pore_velocity()
+    nu = np.full(len(p), flow.viscosity)
+    if flow.smagorinsky > 0.0:
+        nu += near.eddy_viscosity(p.position, flow.start, velocity, flow.bulk, flow.smagorinsky)
+    change = dt * near.viscous_acceleration(p.position, flow.start, velocity, flow.bulk, nu)
+    if flow.inertia is not None:
+        change /= flow.inertia[:, None]
+    before = flow.kinetic_energy()
+    p.velocity += change
+    ledger.viscous_work += before - flow.kinetic_energy()
+
+
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium

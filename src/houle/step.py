@@ -20,6 +20,7 @@ from houle.operations import (
     project,
     rate,
     sort,
+    sph_viscosity,
     viscosity,
 )
 from houle.remeshing import Remeshing
@@ -76,6 +77,8 @@ class PaperStep:
         with ledger.clock("surface"):
             start, velocity, porosity = sort(flow, self.transfer, start, velocity, porosity)
             find_surface(flow)
+        with ledger.operation("forces"):
+            sph_viscosity(flow, dt, ledger)  # (3) in (13), on the particles
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)
         with ledger.operation("forces"):

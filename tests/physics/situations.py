@@ -14,7 +14,7 @@ ROCK = {"porosity": 0.49, "grain_diameter": 0.0159, "resistance": {"law": "van-g
 DAM_BREAK: dict[str, Any] = {
     "case": {"name": "coarse-dam-break"},
     "domain": {"size": [0.4, 0.24], "spacing": 0.02},
-    "water": [{"box": [[0.0, 0.0], [0.14, 0.16]]}, {"below": 0.03}],
+    "water": [{"box": [[0.0, 0.0], [0.14, 0.16]]}, {"below": 0.033}],
     "porous": [{"name": "rock", "box": [[0.2, 0.0], [0.3, 0.14]], **ROCK}],
     "time": {"end": 1.0},
 }

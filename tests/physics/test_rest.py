@@ -51,7 +51,7 @@ def test_at_rest_with_every_scheme_and_transfer(scheme, transfer):
 
 
 def test_hydrostatic_pressure_in_a_coarse_tank_in_three_dimensions():
-    """Level, pressure to half a per cent and at rest, with a porous block and a solid box under water, cells of 5 cm."""
+    """Level, pressure to half a per cent, no motion: a porous block and a solid box under water, cells of 5 cm."""
     level = 0.43
     sim = simulation(
         {

@@ -19,7 +19,7 @@ WIDE = {**DAM_BREAK, "domain": {"size": [0.4, 0.24], "spacing": 0.01}, "fluid": 
 DEEP = {
     "case": {"name": "deep"},
     "domain": {"size": [0.4, 0.12, 0.24], "spacing": 0.02, "walls": {"y": "periodic"}},
-    "water": [{"box": [[0.0, 0.0, 0.0], [0.14, 0.12, 0.16]]}, {"below": 0.03}],
+    "water": [{"box": [[0.0, 0.0, 0.0], [0.14, 0.12, 0.16]]}, {"below": 0.033}],
     "porous": [{"box": [[0.2, 0.0, 0.0], [0.3, 0.08, 0.14]], "porosity": 0.5, "resistance": {"a": 5.0, "b": 60.0}}],
     "time": {"end": 1.0},
 }
