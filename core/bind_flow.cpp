@@ -56,7 +56,8 @@ static void bind(nb::module_& m) {
       "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "Height of the water in each column of cells [m].");
   m.def(
       "find_surface",
-      [](G g, Field fill, Field open, Field height, Mask uniform, bool columns, Field depth, Mask active, Field column, Field eta) {
+      [](G g, Field fill, Field open, Field height, Mask uniform, bool columns, Field depth, Mask active, Field column,
+         Field eta) {
         require_cells(g, fill.size(), "fill");
         require_cells(g, open.size(), "open");
         require_cells(g, depth.size(), "depth");
@@ -66,7 +67,8 @@ static void bind(nb::module_& m) {
         require_size(uniform.size(), g.cells() / g.shape[D - 1], "uniform");
         require_size(eta.size(), g.cells() / g.shape[D - 1], "eta");
         nb::gil_scoped_release release;
-        find_surface<D>(g, fill.data(), open.data(), height.data(), uniform.data(), columns, depth.data(), active.data(), column.data(), eta.data());
+        find_surface<D>(g, fill.data(), open.data(), height.data(), uniform.data(), columns, depth.data(),
+                        active.data(), column.data(), eta.data());
       },
       "grid"_a, "fill"_a, "open"_a, "height"_a, "uniform"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
@@ -85,7 +87,8 @@ static void bind(nb::module_& m) {
         apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b, re);
       },
       "grid"_a, "u"_a, "inertia"_a, "darcy"_a, "forchheimer"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
-      "star"_a, "drag"_a, "mobility"_a, "resisted"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
+      "star"_a, "drag"_a, "mobility"_a, "resisted"_a,
+      "Body forces, implicit porous resistance and Bernoulli term over one step.");
   m.def(
       "pressure_system",
       [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, FaceFields star, double least,
@@ -207,7 +210,8 @@ static void bind(nb::module_& m) {
         require_cells(g, depth.size(), "depth");
         require_size(column.size(), g.cells() / g.shape[D - 1], "column");
         nb::gil_scoped_release release;
-        density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity), omega, rhs.data());
+        density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity),
+                          omega, rhs.data());
       },
       "grid"_a, "active"_a, "depth"_a, "column"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
       "Right-hand side of the position correction: the share of each cell's excess fill to be spread.");
@@ -261,12 +265,12 @@ static void bind_sums(nb::module_& m) {
       "max_speed",
       [](Field u, OptionalField porosity) {
         if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
-        const index n = static_cast<index>(u.shape(0)), d = static_cast<index>(u.shape(1));
+        const index n = static_cast<index>(u.shape(0));
         if (porosity) require_size(porosity->size(), n, "porosity");
-        std::vector<double> speed(d);
+        const auto list = [](const auto& speed) { return std::vector<double>(speed.begin(), speed.end()); };
         nb::gil_scoped_release release;
-        for (index a = 0; a < d; ++a) speed[a] = max_component(n, u.data() + a, pointer(porosity), d);
-        return speed;
+        return u.shape(1) == 2 ? list(max_speed<2>(n, u.data(), pointer(porosity)))
+                               : list(max_speed<3>(n, u.data(), pointer(porosity)));
       },
       "u"_a, "porosity"_a.none(), "Largest pore speed along each axis [m/s].");
   m.def(

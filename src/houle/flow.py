@@ -110,6 +110,7 @@ class Flow:
         """Work space for the present number of particles."""
         n, d = self.particles.position.shape
         self.cell, self.order = np.zeros(n, np.int64), np.zeros(n, np.int64)
+        self.spare = Particles(np.zeros((n, d)), np.zeros((n, d)), np.zeros(n))  # the sorted ones go there
         self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
         self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.shift = np.zeros((n, d))
@@ -120,9 +121,8 @@ class Flow:
         """Porosity, bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            _core.gather_cells(core, p.position, self.medium.porosity, self.porosity)
-            np.divide(p.volume, self.porosity, out=self.bulk)
-            _core.gather_cells(core, p.position, self.cell_inertia, self.inertia)
+            cells = (self.medium.porosity, self.cell_inertia)
+            _core.sample_medium(core, p.position, p.volume, *cells, self.porosity, self.bulk, self.inertia)
         else:
             self.bulk = p.volume
         if self.kernel.startswith("gaussian"):

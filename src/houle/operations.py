@@ -19,9 +19,11 @@ MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
-    p = flow.particles
+    p, q = flow.particles, flow.spare
     _core.cell_sort(flow.grid.core, p.position, flow.cell, flow.order, flow.start)
-    p.position, p.velocity, p.volume = p.position[flow.order], p.velocity[flow.order], p.volume[flow.order]
+    for name in ("position", "velocity", "volume"):
+        _core.permute(flow.order, getattr(p, name), getattr(q, name))
+    flow.particles, flow.spare = q, p
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[flow.order]
     flow.sample_medium()
