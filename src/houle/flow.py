@@ -16,7 +16,6 @@ from houle.porous import Medium
 from houle.seeding import seed
 from houle.viscosity import Smoothing
 
-
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 
 
@@ -191,9 +190,8 @@ def uniform_columns(grid: Grid, medium: Medium, reach: int = 2) -> NDArray[np.ui
     low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
     low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
     for a in range(grid.dimension - 1):
-        mode = "wrap" if grid.periodic[a] else "symmetric"
-        around = [(reach, reach) if b == a else (0, 0) for b in range(grid.dimension - 1)]
-        window = 2 * reach + 1
-        low = np.lib.stride_tricks.sliding_window_view(np.pad(low, around, mode), window, a).min(axis=-1)
-        high = np.lib.stride_tricks.sliding_window_view(np.pad(high, around, mode), window, a).max(axis=-1)
+        n = grid.shape[a]
+        beside = np.arange(n)[:, None] + np.arange(-reach, reach + 1)  # (n, window) columns along this axis
+        beside = beside % n if grid.periodic[a] else np.clip(beside, 0, n - 1)
+        low, high = np.take(low, beside, a).min(axis=a + 1), np.take(high, beside, a).max(axis=a + 1)
     return (high - low <= 1e-12).astype(np.uint8)

@@ -58,8 +58,8 @@ def find_surface(flow: Flow) -> None:
     flow.fill *= flow.inverse_tent_volume
     _core.column_heights(core, flow.start, position, flow.bulk, flow.height)
     _core.find_surface(
-        core, flow.fill, flow.medium.open_cells, flow.height, flow.uniform, flow.columns, flow.depth, flow.active, flow.column,
-        flow.eta,
+        core, flow.fill, flow.medium.open_cells, flow.height, flow.uniform, flow.columns, flow.depth, flow.active,
+        flow.column, flow.eta,
     )  # fmt: skip
 
 
@@ -122,8 +122,8 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         raise SimulationError(
             f"the pressure did not converge: max |div u_d| dt = {residual * dt:.2e}, wanted {flow.tolerance:.2e}",
             place=tuple((i + 0.5) * h for i, h in zip(place, flow.grid.spacing, strict=True)),
-            diagnosis="The projection leaves more divergence than numerics.tolerance allows. A tolerance near round-off "
-            "(1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
+            diagnosis="The projection leaves more divergence than numerics.tolerance allows. A tolerance near "
+            "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_THETA,

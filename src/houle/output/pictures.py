@@ -144,7 +144,7 @@ def _profile(surface: xr.Dataset, time: float, grid: Grid) -> tuple[FloatArray, 
     eta = (surface.eta.mean("y") if "y" in surface.eta.dims else surface.eta).values
     after = int(np.clip(np.searchsorted(stored, time), 0, len(stored) - 1))
     level = eta[after]
-    if 0 < after and time < stored[after]:
+    if after > 0 and time < stored[after]:
         weight = (time - stored[after - 1]) / (stored[after] - stored[after - 1])
         level = (1.0 - weight) * eta[after - 1] + weight * level
     return x, np.concatenate([level[:1], level, level[-1:]])
