@@ -54,7 +54,8 @@ inline void column_heights(const Grid<D>& g, const std::int64_t* start, const do
 // z = 0 [m], NaN where dry.
 template <int D>
 inline void find_surface(const Grid<D>& g, const double* fill, const double* open, const double* height,
-                         const std::uint8_t* uniform, bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
+                         const std::uint8_t* uniform, bool use_columns, double* depth, std::uint8_t* active,
+                         double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
   // height of the water in a single-valued column, in cells; NaN where there is no such thing

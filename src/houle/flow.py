@@ -156,8 +156,7 @@ class Flow:
     def grid_kinetic_energy(self) -> float:
         inertia = self.medium.inertia if self.porous else [None] * self.grid.dimension
         return sum(
-            _core.face_kinetic_energy(m, j, u)
-            for m, j, u in zip(self.face_mass, inertia, self.velocity, strict=True)
+            _core.face_kinetic_energy(m, j, u) for m, j, u in zip(self.face_mass, inertia, self.velocity, strict=True)
         )
 
     def potential_energy(self) -> float:

@@ -132,9 +132,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
     if flow.porous:
-        parts = zip(
-            flow.face_mass, flow.medium.inertia, flow.resisted, flow.old_velocity, flow.velocity, strict=True
-        )
+        parts = zip(flow.face_mass, flow.medium.inertia, flow.resisted, flow.old_velocity, flow.velocity, strict=True)
         ledger.drag_work += sum(_core.face_drag_work(*part) for part in parts)
 
 
@@ -149,9 +147,7 @@ def move(flow: Flow, dt: float) -> None:
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
     """Particles from `start` with velocities of their own."""
     position = flow.particles.position
-    _core.drift(
-        flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position
-    )
+    _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position)
 
 
 def rate(courant: float) -> float:
