@@ -29,6 +29,7 @@ class Ledger:
         self.volume0 = flow.particles.total_volume
         self.drag_work = 0.0
         self.viscous_work = 0.0
+        self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
         self.on_grid = False
 
     @contextmanager
