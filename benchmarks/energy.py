@@ -73,8 +73,10 @@ def main() -> None:
     parser.add_argument("--periods", type=int, default=20)
     parser.add_argument("--steps", type=float, nargs="+", default=[0.01, 0.0025])
     given = parser.parse_args()
-    print("| variant | step [ms] | amplitude | largest | period [%] | pressure work | transfer | advection | correction | remeshing |")
-    print("|---|---|---|---|---|---|---|---|---|---|", flush=True)
+    operations = ("pressure work", "transfer", "advection", "correction", "remeshing")
+    head = ("variant", "step [ms]", "amplitude", "largest", "period [%]", *operations)
+    print("| " + " | ".join(head) + " |")
+    print("|---" * len(head) + "|", flush=True)
     for name, step in product(given.names or NAMES, given.steps):
         print(f"| {name} | {1e3 * step:g} | {measure(NAMES[name], given.spacing, step, given.periods)} |", flush=True)
 

@@ -278,12 +278,12 @@ static void bind_sums(nb::module_& m) {
       "max_speed",
       [](Field u, OptionalField porosity) {
         if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
-        const index n = static_cast<index>(u.shape(0)), d = static_cast<index>(u.shape(1));
+        const index n = static_cast<index>(u.shape(0));
         if (porosity) require_size(porosity->size(), n, "porosity");
-        std::vector<double> speed(d);
+        const auto list = [](const auto& speed) { return std::vector<double>(speed.begin(), speed.end()); };
         nb::gil_scoped_release release;
-        for (index a = 0; a < d; ++a) speed[a] = max_component(n, u.data() + a, pointer(porosity), d);
-        return speed;
+        return u.shape(1) == 2 ? list(max_speed<2>(n, u.data(), pointer(porosity)))
+                               : list(max_speed<3>(n, u.data(), pointer(porosity)));
       },
       "u"_a, "porosity"_a.none(), "Largest pore speed along each axis [m/s].");
   m.def(

@@ -48,8 +48,18 @@ struct FaceRow {
   }
 };
 
-// (1 - exp(-y)) / y
-inline double phi1(double y) { return y < 1e-8 ? 1.0 - 0.5 * y : -std::expm1(-y) / y; }
+// (1 - exp(-y)) / y, for the small y of most faces by its series sum_k (-y)^k / (k+1)!, to round-off
+inline double phi1(double y) {
+  if (y > 0.5 || y < -0.5) return -std::expm1(-y) / y;
+  constexpr auto over_factorial = [] {  // 1 / (k+1)!
+    std::array<double, 14> c{1.0};
+    for (std::size_t k = 1; k < c.size(); ++k) c[k] = c[k - 1] / static_cast<double>(k + 1);
+    return c;
+  }();
+  double sum = 0.0;
+  for (std::size_t k = over_factorial.size(); k-- > 0;) sum = over_factorial[k] - y * sum;
+  return sum;
+}
 
 // Body forces, porous resistance and Bernoulli term over one step, the pressure left for the projection (paper (13)):
 //
@@ -296,30 +306,36 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
           g.faces(a) / line,
           [=](index r) {
             const index row = r * line;
-            const auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(shape)), shape);
-            index top = top_of(known_a + row, line);
-            for (index n : beside) top = n < 0 ? top : std::max(top, top_of(known_a + n, line));
-            top = period ? line : std::min(top + 1, line);
-            for (index j = 0; j < top; ++j) {
-              if (known_a[row + j]) continue;
+            auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(shape)), shape);
+            for (index& n : beside) n = n < 0 ? row : n;  // behind a wall an entry sees itself: not known, not counted
+            const auto fill = [=](index j) {
+              if (known_a[row + j]) return;
               double sum = 0.0;
               int count = 0;
               const auto add = [&](index f) {
                 if (known_a[f] && known_a[f] < mark) sum += ua[f], ++count;
               };
-              for (index n : beside)
-                if (n >= 0) add(n + j);
-              if (period) {
-                add(row + (j - 1 + period) % period);
-                add(row + (j + 1) % period);
-              } else {
-                if (j > 0) add(row + j - 1);
-                if (j + 1 < line) add(row + j + 1);
-              }
-              if (!count) continue;
+              for (index n : beside) add(n + j);
+              add(row + (period ? (j - 1 + period) % period : std::max<index>(j - 1, 0)));
+              add(row + (period ? (j + 1) % period : std::min(j + 1, line - 1)));
+              if (!count) return;
               ua[row + j] = sum / count;
               known_a[row + j] = mark;
+            };
+            fill(0);
+            constexpr index chunk = 64;  // looked through at once for entries that are not known but touch one that is
+            for (index begin = 1; begin < line - 1; begin += chunk) {
+              const index n = std::min(chunk, line - 1 - begin);
+              const std::uint8_t* here = known_a + row + begin;
+              std::uint8_t touches[chunk];
+              for (index j = 0; j < n; ++j) touches[j] = here[j - 1] | here[j + 1];
+              for (index side : beside)
+                for (index j = 0; j < n; ++j) touches[j] |= known_a[side + begin + j];
+              for (index j = 0; j < n; ++j) touches[j] = touches[j] && !here[j];
+              for (index j = 0; j < n; ++j)
+                if (touches[j]) fill(begin + j);
             }
+            fill(line - 1);
           },
           16);
     }

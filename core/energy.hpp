@@ -40,17 +40,23 @@ inline double face_drag_work(index n, const double* mass, const double* inertia,
       n, [=](index f) { return 0.5 * mass[f] * inertia[f] * resisted[f] * before[f] * (before[f] + after[f]); });
 }
 
-// max_p |u_a| / n along one axis; NaN if any is. porosity (n,) null: 1.
-inline double max_component(index n, const double* u, const double* porosity, index stride) {
-  const auto speed = [=](index p) { return std::abs(u[p * stride]) / (porosity ? porosity[p] : 1.0); };
-  return parallel_max((n + 3) / 4, [=](index q) {
-    const auto larger = [](double a, double b) { return (b > a || std::isnan(b)) ? b : a; };
-    const index i = 4 * q;
-    if (i + 4 <= n) return larger(larger(speed(i), speed(i + 1)), larger(speed(i + 2), speed(i + 3)));
-    double most = 0.0;
-    for (index j = i; j < n; ++j) most = larger(most, speed(j));
-    return most;
-  });
+// max_p |u_a| / n along each axis; NaN if any is. porosity (n,) null: 1.
+template <int D>
+inline std::array<double, D> max_speed(index n, const double* u, const double* porosity) {
+  using Speeds = std::array<double, D>;
+  return parallel_reduce(
+      n, Speeds{},
+      [=](index p) {
+        const double slow = porosity ? 1.0 / porosity[p] : 1.0;
+        Speeds speed;
+        for (int a = 0; a < D; ++a) speed[a] = std::abs(u[D * p + a]) * slow;
+        return speed;
+      },
+      [](Speeds most, const Speeds& speed) {
+        for (int a = 0; a < D; ++a)
+          if (speed[a] > most[a] || std::isnan(speed[a])) most[a] = speed[a];
+        return most;
+      });
 }
 
 // sum_p weight_p value_p, value one column of an (n, D) array

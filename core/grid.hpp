@@ -15,7 +15,7 @@ template <int D>
 struct Grid {
   static_assert(D == 2 || D == 3);
   std::array<index, D> shape{};
-  std::array<double, D> h{};       // spacing per axis [m]
+  std::array<double, D> h{};  // spacing per axis [m]
   std::array<bool, D> periodic{};
 
   index cells() const {
@@ -69,7 +69,9 @@ template <int D>
 struct ConstFaces {
   std::array<const double*, D> data{};
   ConstFaces() = default;
-  ConstFaces(const Faces<D>& f) { for (int a = 0; a < D; ++a) data[a] = f[a]; }
+  ConstFaces(const Faces<D>& f) {
+    for (int a = 0; a < D; ++a) data[a] = f[a];
+  }
   const double* operator[](int a) const { return data[a]; }
 };
 

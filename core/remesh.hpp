@@ -276,8 +276,8 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> g
 }
 
 // A node still in debt (the negative lobes of M4' in thin water) is paid off by the fullest node of its class around
-// that has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not, where
-// the porosity changes.
+// that has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not,
+// where the porosity changes.
 template <int D>
 inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std::int32_t* class_of, Gathered<D>* nodes,
                   std::vector<unsigned char>& gone) {

@@ -295,7 +295,9 @@ def project(grid, active, depth, open_faces, mobility, p, least, star):
     for a, h in enumerate(grid.spacing):
         for i in np.ndindex(*grid.face_shape(a)):
             low, high = beside(grid, a, i)
-            if low is None or high is None:
+            if high is None and a == grid.dimension - 1 and not active[low]:
+                u[a][i] = min(u[a][i], 0.0)  # spray may leave a dry lid, and not pass it
+            elif low is None or high is None:
                 u[a][i], known[a][i] = 0.0, 1
             elif (active[low] or active[high]) and open_faces[a][i] > 0.0:
                 known[a][i] = 1

@@ -322,9 +322,7 @@ class Numerics(Table):
     scheme: Literal["houle", "jh2020"] = Field(
         default="houle", description="a set of choices; the keys below override it"
     )
-    transfer: Literal["fmpm", "flip", "pic", "apic"] = Field(
-        default="fmpm", description="particles to grid and back"
-    )
+    transfer: Literal["fmpm", "flip", "pic", "apic"] = Field(default="fmpm", description="particles to grid and back")
     order: int = Field(default=4, ge=1, le=20, description="number of terms of fmpm")
     flip: float = Field(
         default=0.99, ge=0, le=1, description="share of FLIP in the blend with PIC, transfer flip only [-]"

@@ -28,7 +28,8 @@ SCHEMES: Rows = {
     ),
     "jh2020": (
         "The combination of the founding paper: second-order Taylor Gaussian as kernel with particles of size "
-        "dx/n^(1/d), pressure gradient added to the particles' own velocity, M'4 remeshing as in (6)-(7) every 200 steps, time stepping (12)-(17), with the "
+        "dx/n^(1/d), pressure gradient added to the particles' own velocity, M'4 remeshing as in (6)-(7) every 200 "
+        "steps, time stepping (12)-(17), with the "
         "corrections without which it does not hold (pore velocity in (12), (17); powers of n in (13); tensor product "
         "in (7)). Kept to quantify its defect at the free surface, not for work.",
         PAPER,

@@ -79,7 +79,7 @@ FIELDS: tuple[Field, ...] = (
     Field(
         "volume_drift", r"\Delta V/V_0", "1", "run", "change of the water volume since the start, over the first volume"
     ),
-    Field("mean_level", r"\bar\eta", "m", "run", "water in the pores under the free surface over the plan area: the volume the surface shows"),
+    Field("mean_level", r"\bar\eta", "m", "run", "water under the free surface, in its pores, over the plan area"),
     *(
         Field(
             f"momentum_{axis}", f"P_{axis}", "kg m s-1", "run", f"momentum of the water along {axis}", unit_2d="kg s-1"

@@ -16,7 +16,6 @@ from houle.porous import Medium
 from houle.seeding import seed
 from houle.viscosity import Smoothing
 
-
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 
 
@@ -110,6 +109,7 @@ class Flow:
         """Work space for the present number of particles."""
         n, d = self.particles.position.shape
         self.cell, self.order = np.zeros(n, np.int64), np.zeros(n, np.int64)
+        self.spare = Particles(np.zeros((n, d)), np.zeros((n, d)), np.zeros(n))  # the sorted ones go there
         self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
         self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.shift = np.zeros((n, d))
@@ -120,9 +120,8 @@ class Flow:
         """Porosity, bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            _core.gather_cells(core, p.position, self.medium.porosity, self.porosity)
-            np.divide(p.volume, self.porosity, out=self.bulk)
-            _core.gather_cells(core, p.position, self.cell_inertia, self.inertia)
+            cells = (self.medium.porosity, self.cell_inertia)
+            _core.sample_medium(core, p.position, p.volume, *cells, self.porosity, self.bulk, self.inertia)
         else:
             self.bulk = p.volume
         if self.kernel.startswith("gaussian"):
@@ -157,8 +156,7 @@ class Flow:
     def grid_kinetic_energy(self) -> float:
         inertia = self.medium.inertia if self.porous else [None] * self.grid.dimension
         return sum(
-            _core.face_kinetic_energy(m, j, u)
-            for m, j, u in zip(self.face_mass, inertia, self.velocity, strict=True)
+            _core.face_kinetic_energy(m, j, u) for m, j, u in zip(self.face_mass, inertia, self.velocity, strict=True)
         )
 
     def potential_energy(self) -> float:

@@ -9,7 +9,7 @@ from houle.grid import FloatArray
 
 @dataclass(frozen=True)
 class Frame:
-    """Particles: position, velocity (N, d), volume, porosity, pressure (N,). Cells: grid.shape (+ d for the velocity)."""
+    """Particles: position, velocity (N, d), volume, porosity, pressure (N,). Cells: grid.shape, velocity (..., d)."""
 
     time: float
     step: int

@@ -63,7 +63,7 @@ class Grid:
     def axis_points(self, axis: int, on_faces: bool = False) -> FloatArray:
         """Coordinates [m] of the cell centres, or of the faces, along one axis."""
         n, h = self.shape[axis], self.spacing[axis]
-        return np.arange(n + 1) * h if on_faces else (np.arange(n) + 0.5) * h
+        return np.arange(n + 1, dtype=float) * h if on_faces else (np.arange(n, dtype=float) + 0.5) * h
 
     def points(self, axis: int | None = None) -> FloatArray:
         """Positions (..., d) [m] of the cell centres, or of the faces of one axis."""

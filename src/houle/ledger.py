@@ -1,8 +1,8 @@
 """The ledger: what each operation of a step did to the energy, and what the run has conserved.
 
 Energies are per step of the sequence in `step.py`, kinetic + potential. Inside a step the kinetic energy is that of the
-particles, except between the two transfers, where it is that of the faces; so the changes of all operations add up to
-the change of the particles' energy, and source and sink have a name. Units: m^d m2/s2 inside, times the density outside.
+particles, except between the two transfers, where it is that of the faces; so the changes of all operations add up
+to the change of the particles' energy, and source and sink have a name. Units: m^d m2/s2; times the density outside.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ class Ledger:
         self.volume0 = flow.particles.total_volume
         self.drag_work = 0.0
         self.viscous_work = 0.0
+        self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
         self.on_grid = False
 
     @contextmanager

@@ -19,9 +19,11 @@ MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
-    p = flow.particles
+    p, q = flow.particles, flow.spare
     _core.cell_sort(flow.grid.core, p.position, flow.cell, flow.order, flow.start)
-    p.position, p.velocity, p.volume = p.position[flow.order], p.velocity[flow.order], p.volume[flow.order]
+    for name in ("position", "velocity", "volume"):
+        _core.permute(flow.order, getattr(p, name), getattr(q, name))
+    flow.particles, flow.spare = q, p
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[flow.order]
     flow.sample_medium()
@@ -121,8 +123,8 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         raise SimulationError(
             f"the pressure did not converge: max |div u_d| dt = {residual * dt:.2e}, wanted {flow.tolerance:.2e}",
             place=tuple((i + 0.5) * h for i, h in zip(place, flow.grid.spacing, strict=True)),
-            diagnosis="The projection leaves more divergence than numerics.tolerance allows. A tolerance near round-off "
-            "(1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
+            diagnosis="The projection leaves more divergence than numerics.tolerance allows. A tolerance near "
+            "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_THETA,
@@ -131,9 +133,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
     if flow.porous:
-        parts = zip(
-            flow.face_mass, flow.medium.inertia, flow.resisted, flow.old_velocity, flow.velocity, strict=True
-        )
+        parts = zip(flow.face_mass, flow.medium.inertia, flow.resisted, flow.old_velocity, flow.velocity, strict=True)
         ledger.drag_work += sum(_core.face_drag_work(*part) for part in parts)
 
 
@@ -148,9 +148,7 @@ def move(flow: Flow, dt: float) -> None:
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
     """Particles from `start` with velocities of their own."""
     position = flow.particles.position
-    _core.drift(
-        flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position
-    )
+    _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position)
 
 
 def rate(courant: float) -> float:

@@ -6,7 +6,6 @@ from houle.flow import Flow
 from houle.remesh import Remesher
 from houle.transfer import Transfer
 
-
 TRAVEL = 0.5  # cells that some particle must have gone before remeshing is worth it: water at rest is left alone
 
 

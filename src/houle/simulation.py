@@ -22,12 +22,11 @@ from houle.operations import arrange, prepare
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
 from houle.remesh import STRATEGIES
+from houle.remeshing import Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.seeding import seed
-from houle.remeshing import Remeshing
 from houle.step import STEPS
 from houle.transfer import make
-
 
 WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
 
@@ -44,7 +43,8 @@ class Simulation:
         self.medium = Medium.build(self.grid, bodies, [shape_of(s, d) for s in case.solid])
         water = seed(self.grid, self.medium, [shape_of(w, d) for w in case.water])
         self.flow = Flow(
-            self.grid, self.medium, water, gravity=case.acceleration, kernel=numerics.kernel, tolerance=numerics.tolerance,
+            self.grid, self.medium, water, gravity=case.acceleration,
+            kernel=numerics.kernel, tolerance=numerics.tolerance,
             viscosity=case.fluid.viscosity, smagorinsky=case.fluid.smagorinsky,
             no_slip=case.domain.walls.no_slip(d),
         )  # fmt: skip
@@ -127,8 +127,9 @@ class Simulation:
             )
         if self.step_size < 1e-6 * math.sqrt(self.grid.spacing[-1] / max(9.81, *map(abs, self.flow.gravity))):
             raise SimulationError(
-                f"the time step has shrunk to {self.step_size:.1e} s: some water moves at {np.abs(p.velocity).max():.3g} m/s",
-                diagnosis="The speed of a few particles has no physical cause; another transfer or kernel may be stable.",
+                f"the time step has shrunk to {self.step_size:.1e} s: "
+                f"some water moves at {np.abs(p.velocity).max():.3g} m/s",
+                diagnosis="A few particles have a speed without physical cause; another transfer or kernel may not.",
             )
         drift = p.total_volume / ledger.volume0 - 1.0
         if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":

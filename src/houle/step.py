@@ -49,9 +49,10 @@ class Step:
         with ledger.operation("advection"):
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("correction"):
-            correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)  # (14) kept at 1, on the grid
+            courant = flow.courant(dt)
+            correct_positions(flow, self.correction * rate(courant), ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
-            self.remeshing.after_step(flow, self.transfer, flow.courant(dt))  # (6), (7)
+            self.remeshing.after_step(flow, self.transfer, courant)  # (6), (7)
         with ledger.clock("surface"):
             arrange(flow, self.transfer)  # which cells hold water, where the surface cuts the grid
 

@@ -141,8 +141,12 @@ def _profile(surface: xr.Dataset, time: float, grid: Grid) -> tuple[FloatArray, 
     """x and level, linear in time, carried to the walls; NaN where dry stays a gap."""
     x = np.concatenate([[0.0], grid.axis_points(0), [grid.size[0]]])
     stored = surface.time.values
-    eta = surface.eta.interp(time=np.clip(time, stored[0], stored[-1])) if len(stored) > 1 else surface.eta[0]
-    level = (eta.mean("y") if "y" in eta.dims else eta).values
+    eta = (surface.eta.mean("y") if "y" in surface.eta.dims else surface.eta).values
+    after = int(np.clip(np.searchsorted(stored, time), 0, len(stored) - 1))
+    level = eta[after]
+    if after > 0 and time < stored[after]:
+        weight = (time - stored[after - 1]) / (stored[after] - stored[after - 1])
+        level = (1.0 - weight) * eta[after - 1] + weight * level
     return x, np.concatenate([level[:1], level, level[-1:]])
 
 
