@@ -57,10 +57,11 @@ inline double solid_distance(const Grid<D>& g, const double* node_distance, cons
 // Brings a particle that went from `from` to x back into the water's room.
 template <int D>
 inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const double* from, double* x) {
+  const double height = std::max(x[D - 1], 1e-9 * g.h[D - 1]);  // where the floor will stop it: not under a shut gate
   for (int k = 0; k < obstacles.gate_count; ++k) {
     const Gate& gate = obstacles.gates[k];
     const bool left = from[0] < gate.x;
-    if (left != (x[0] < gate.x) && x[D - 1] > gate.bottom) x[0] = gate.x + (left ? -1e-9 : 1e-9) * g.h[0];
+    if (left != (x[0] < gate.x) && height > gate.bottom) x[0] = gate.x + (left ? -1e-9 : 1e-9) * g.h[0];
   }
   if (obstacles.distance) {
     double normal[D];
