@@ -77,7 +77,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
         m.porosity if flow.porous else None, flow.no_slip, flow.extra,
     )  # fmt: skip
     parts = zip(flow.face_mass, flow.velocity, flow.extra, strict=True)
-    ledger.viscous_work -= dt * sum(float(np.vdot(m_f * u, f)) for m_f, u, f in parts)
+    ledger.viscous_work -= dt * sum(float(np.sum(m_f * u * f)) for m_f, u, f in parts)  # no BLAS: its threads spin
 
 
 def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
