@@ -349,6 +349,15 @@ class Numerics(Table):
         scheme = value.get("scheme", "houle")
         return {**SCHEMES.get(scheme if isinstance(scheme, str) else "", {}), **value}
 
+    @model_validator(mode="after")
+    def kernel_suits_transfer(self) -> Numerics:
+        if self.transfer == "fmpm" and self.kernel == "m4prime":
+            raise ValueError(
+                'kernel = "m4prime" has negative weights, for which the terms of transfer = "fmpm" do not converge: '
+                'take kernel = "quadratic", or transfer = "flip"'
+            )
+        return self
+
 
 class Output(Table):
     """[output]"""

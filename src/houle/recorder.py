@@ -1,11 +1,14 @@
 """When a run writes what: series rows at exact multiples of `series_every`, frames at exact multiples of `every`.
 
 Frames are stop times: the step before is shortened to land on them. Series rows are not; they are interpolated linearly
-between the samples of the steps around them. The sample of the last step is therefore part of the checkpoint.
+between the samples of the steps around them, each quantity at its own instant (leapfrog: levels stand at the ends of
+steps, velocities in their middles). The samples of the last three steps are therefore part of the checkpoint.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
@@ -21,22 +24,48 @@ def multiple(k: int, interval: float) -> float:
     return float(Decimal(repr(float(interval))) * k)
 
 
-def interpolate(time: float, before: tuple[float, Sample], after: tuple[float, Sample]) -> Sample:
-    """Linear in time, before < time <= after; exactly `after` at its time. NaN (dry) on either side stays NaN."""
-    (t0, first), (t1, second) = before, after
-    if time == t1:
-        return second
-    weight = (time - t0) / (t1 - t0)
-    return {name: first[name] + weight * (second[name] - first[name]) for name in second}
+@dataclass(frozen=True)
+class Observed:
+    """A sample, the time [s] at the end of the step it was taken after, and the length of that step [s]."""
+
+    time: float
+    step: float
+    values: Sample
+
+    def instant(self, lag: float) -> float:
+        """The time [s] of a quantity that lags by that share of the step."""
+        return self.time - lag * self.step
+
+
+def interpolate(time: float, observed: Sequence[Observed], lag: Mapping[str, float]) -> Sample:
+    """Linear in time between the samples before and after, each quantity at its own instant, `lag` steps early.
+
+    After the last instant the line through the last two goes on. NaN (dry) on either side stays NaN.
+    """
+    row: Sample = {}
+    for name, last in observed[-1].values.items():
+        instants = [o.instant(lag.get(name, 0.0)) for o in observed]
+        i = next((i for i, t in enumerate(instants) if t >= time), len(instants) - 1)
+        first = observed[i - 1].values[name] if i else last
+        if i == 0 or instants[i] == time or instants[i] <= instants[i - 1]:
+            row[name] = observed[i].values[name]
+        else:
+            weight = (time - instants[i - 1]) / (instants[i] - instants[i - 1])
+            row[name] = first + weight * (observed[i].values[name] - first)
+    return row
 
 
 class Recorder:
-    """Hands rows and frames to the writers. Call start() at time 0 or restore(), then step() after every step."""
+    """Hands rows and frames to the writers. Call start() at time 0 or restore(), then step() after every step.
+
+    Velocities belong to the middle of a step and pressures to its beginning, so that a row waits for one more step.
+    `finish()` writes the last one, at the end of a run.
+    """
 
     def __init__(self, outputs: Any, end: float, every: float, series_every: float) -> None:
         self.outputs, self.end, self.every, self.series_every = outputs, float(end), every, series_every
         self.rows = self.frames = 0  # how many were written
-        self.before: tuple[float, Sample] = (0.0, {})
+        self.observed: list[Observed] = []  # the last three
 
     @property
     def stop(self) -> float:
@@ -44,40 +73,55 @@ class Recorder:
         return min(multiple(self.frames, self.every), self.end)
 
     @property
-    def written(self) -> float:
-        """The time [s] up to which rows and frames were handed over: that of the last step."""
-        return self.before[0]
+    def last(self) -> Observed:
+        return self.observed[-1]
+
+    @property
+    def last_row(self) -> float:
+        """The time [s] of the last row of the series."""
+        return multiple(self.rows - 1, self.series_every)
 
     def start(self, simulation: Any) -> None:
         """The first row and the first frame, at the time of the simulation."""
-        self.before = (simulation.time, sample(simulation))
-        self.outputs.append_series(simulation.time, self.before[1])
+        self.observed = [Observed(simulation.time, 0.0, sample(simulation))]
+        self.outputs.append_series(simulation.time, self.last.values)
         self.outputs.append_frame(simulation.frame())
         self.rows = self.frames = 1
 
     def step(self, simulation: Any, values: Sample) -> None:
-        """The rows since the last step, given sample(simulation), and the frame if this step ends on one."""
-        after = (simulation.time, values)
-        while (time := multiple(self.rows, self.series_every)) <= after[0]:
-            self.outputs.append_series(time, interpolate(time, self.before, after))
-            self.rows += 1
-        self.before = after
+        """The rows that are due, given sample(simulation), and the frame if this step ends on one."""
+        self.observed = [*self.observed[-2:], Observed(simulation.time, simulation.step_size, values)]
+        self._write_rows(self.observed[-2].time, simulation.lag)
         if simulation.time >= self.stop:
             self.outputs.append_frame(simulation.frame())
             self.frames += 1
 
+    def finish(self, simulation: Any) -> None:
+        """The rows up to the last step: of what lags, the line through its last two values goes on."""
+        self._write_rows(self.last.time, simulation.lag)
+
+    def _write_rows(self, until: float, lag: Mapping[str, float]) -> None:
+        while (time := multiple(self.rows, self.series_every)) <= until:
+            self.outputs.append_series(time, interpolate(time, self.observed, lag))
+            self.rows += 1
+
     def state(self) -> dict[str, Any]:
         """What a checkpoint must hold beside the simulation's own state; every name starts with PREFIX."""
-        time, values = self.before
-        counters = {"rows": np.int64(self.rows), "frames": np.int64(self.frames), "time": np.float64(time)}
-        return {PREFIX + k: v for k, v in counters.items()} | {f"{PREFIX}sample.{k}": v for k, v in values.items()}
+        state: dict[str, Any] = {PREFIX + "rows": np.int64(self.rows), PREFIX + "frames": np.int64(self.frames)}
+        for i, observed in enumerate(self.observed):
+            state[f"{PREFIX}{i}.time"] = np.float64(observed.time)
+            state[f"{PREFIX}{i}.step"] = np.float64(observed.step)
+            state |= {f"{PREFIX}{i}.sample.{k}": v for k, v in observed.values.items()}
+        return state
 
     def restore(self, state: dict[str, Any]) -> None:
         """Goes on from state(); names that are not the recorder's are left alone."""
         self.rows, self.frames = int(state[PREFIX + "rows"]), int(state[PREFIX + "frames"])
-        mark = PREFIX + "sample."
-        values = {k.removeprefix(mark): np.asarray(v, dtype=float) for k, v in state.items() if k.startswith(mark)}
-        self.before = (float(state[PREFIX + "time"]), values)
+        self.observed = []
+        while (key := f"{PREFIX}{len(self.observed)}.") + "time" in state:
+            mark = key + "sample."
+            values = {k.removeprefix(mark): np.asarray(v, dtype=float) for k, v in state.items() if k.startswith(mark)}
+            self.observed.append(Observed(float(state[key + "time"]), float(state[key + "step"]), values))
 
 
 def sample(simulation: Any) -> Sample:

@@ -93,7 +93,7 @@ class Session:
         self.simulation.restore({k: v for k, v in checkpoint.state.items() if not k.startswith("recorder.")})
         self.recorder.restore(checkpoint.state)
         with self.clock.stage("writing"):
-            self.outputs.truncate_after(self.recorder.written)
+            self.outputs.truncate_after(self.recorder.last.time, self.recorder.last_row)
         self.clock.add(meta)
         self.volume, self.newest = meta["volume"], checkpoint.path
         resumed = [*manifest.get("resumed", []), {"step": checkpoint.step, "started": self.manifest["started"]}]
@@ -150,6 +150,9 @@ class Session:
             self._checkpoint(last)
 
     def _checkpoint(self, last: bool) -> None:
+        recorded = self.recorder.state()
+        if self.simulation.time >= self.case.time.end:
+            self.recorder.finish(self.simulation)
         if last:
             self.outputs.close()
         else:
@@ -157,13 +160,13 @@ class Session:
         manifest = self.summarise(finished=False)
         names = ("time", "wall_seconds", "cpu_seconds", "operations", "stages")
         meta = {"case_hash": self.case.hash, "volume": self.volume, **{n: manifest["summary"][n] for n in names}}
-        state = {**self.simulation.state(), **self.recorder.state()}
+        state = {**self.simulation.state(), **recorded}
         self.newest = save_checkpoint(self.directory, self.simulation.steps, state, meta)
         write_manifest(self.directory, manifest)
 
     def summarise(self, finished: bool, **more: Any) -> dict[str, Any]:
         """What run.json holds; `finished` once every file of the run is complete."""
-        simulation, last = self.simulation, self.recorder.before[1]
+        simulation, last = self.simulation, self.recorder.last.values
         volume = simulation.particles.total_volume
         budget = ("kinetic_energy", "potential_energy", "drag_work", "viscous_work")
         return summarise(

@@ -72,11 +72,11 @@ class Simulation:
         """One time step, never past `stop` [s]; the last step to it is as long as those before."""
         remaining = stop - self.time
         count = max(1, math.ceil(remaining / self._largest_step() - 1e-9))
-        self.step_size = remaining / count
+        last, self.step_size = self.step_size, remaining / count
         self._place_gates()
         self.ledger.open()
         try:
-            self.step.advance(self.flow, self.step_size, self.ledger)
+            self.step.advance(self.flow, self.step_size, last, self.ledger)
             self.ledger.close()
             self.time = stop if count == 1 else self.time + self.step_size
             self.steps += 1
@@ -149,6 +149,21 @@ class Simulation:
         ]
 
     # ---- observing -----------------------------------------------------------------------------------------------
+
+    @property
+    def lag(self) -> dict[str, float]:
+        """By how much of a step what sample() gives is older than `time`; names left out are of `time`."""
+        moving = (
+            "velocity",
+            "kinetic_energy",
+            "drag_work",
+            "viscous_work",
+            "max_speed",
+            "momentum_x",
+            "momentum_y",
+            "momentum_z",
+        )
+        return {"pressure": self.step.pressure_lag, **dict.fromkeys(moving, self.step.velocity_lag)}
 
     def sample(self) -> dict[str, FloatArray]:
         """Gauges, sensors and the ledger now; names and units in fields.py."""

@@ -7,6 +7,7 @@ the pore velocity u_d / n, the free surface is where the water is and not where 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from houle.flow import Flow
 from houle.ledger import Ledger
@@ -29,21 +30,28 @@ from houle.transfer import Transfer
 
 @dataclass
 class Step:
-    """The default scheme, "houle": everything between the particles on the grid, second order in the waves."""
+    """The default scheme, "houle": everything between the particles on the grid, second order in time.
+
+    Velocities live at the middles of the steps, positions at their ends (leapfrog): what forces and pressure at the
+    positions of now change is the velocity from the middle of the last step to the middle of this one.
+    """
 
     transfer: Transfer
     correction: float
     remeshing: Remeshing
+    velocity_lag: ClassVar[float] = 0.5  # of a step, behind the positions
+    pressure_lag: ClassVar[float] = 1.0
 
-    def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
-        """One step of dt [s], from an arranged flow to an arranged flow."""
+    def advance(self, flow: Flow, dt: float, last: float, ledger: Ledger) -> None:
+        """One step of dt [s] after one of `last` [s], 0 at the start, from an arranged flow to an arranged flow."""
+        kick = 0.5 * (last + dt)  # from middle to middle
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
-            viscosity(flow, dt, ledger)  # (3), on the grid
-            apply_forces(flow, dt)  # (13), drag and Bernoulli term implicit
+            viscosity(flow, kick, ledger)  # (3), on the grid
+            apply_forces(flow, kick)  # (13), drag and Bernoulli term implicit
         with ledger.operation("projection"):
-            project(flow, dt, ledger)  # (15), (16)
+            project(flow, kick, ledger)  # (15), (16)
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
         with ledger.operation("advection"):
@@ -68,9 +76,11 @@ class PaperStep:
     transfer: Transfer
     correction: float
     remeshing: Remeshing
+    velocity_lag: ClassVar[float] = 0.0
+    pressure_lag: ClassVar[float] = 0.0
 
-    def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
-        """One step of dt [s], from an arranged flow to an arranged flow."""
+    def advance(self, flow: Flow, dt: float, last: float, ledger: Ledger) -> None:
+        """One step of dt [s], whatever the last one was, from an arranged flow to an arranged flow."""
         with ledger.operation("advection"):
             start, velocity, porosity = flow.snapshot()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n

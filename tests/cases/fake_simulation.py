@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import time as clock
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,6 +29,8 @@ CASE = {
 
 
 class Simulation:
+    lag: ClassVar[dict[str, float]] = {"velocity": 0.5, "pressure": 1.0}
+
     def __init__(self, case, threads=None):
         self.case, self.grid = case, case.domain.grid
         position = lattice(self.grid)
@@ -35,6 +38,7 @@ class Simulation:
         volume = np.full(len(position), self.grid.cell_volume / 4)
         self.particles = Particles(position, 0.1 + position.copy(), volume)
         self.time, self.steps, self.timings = 0.0, 0, {"sloshing": 0.0}
+        self.step_size = 0.0
         self.fail = os.environ.get("FAKE_FAIL", "")
 
     def advance(self, stop):
@@ -54,6 +58,7 @@ class Simulation:
             dt, self.time = stop - self.time, stop
         else:
             self.time += dt
+        self.step_size = dt
         p.velocity -= dt * 40.0 * (p.position - [0.1, 0.05])
         p.position += dt * p.velocity
         self.steps += 1

@@ -217,7 +217,7 @@ CHOICES = [
     {"numerics.transfer": "pic"},
     {"numerics.transfer": "apic"},
     {"numerics.kernel": "quadratic"},
-    {"numerics.kernel": "m4prime"},
+    {"numerics.kernel": "m4prime", "numerics.transfer": "flip"},
     {"numerics.kernel": "gaussian"},
     {"numerics.remesh": "none"},
     {"numerics.remesh": "paper"},

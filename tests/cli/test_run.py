@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ import pytest
 import houle
 from houle import laboratory, progress, runner
 from houle.errors import CaseError, SimulationError
-from houle.recorder import Recorder, interpolate, multiple
+from houle.recorder import Observed, Recorder, interpolate, multiple
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import fake_simulation
@@ -51,9 +52,25 @@ def test_multiples_are_those_of_the_decimal_number():
 
 
 def test_interpolation_is_exact_at_the_step_and_keeps_dry_gauges_dry():
-    before, after = (1.0, {"eta": np.array([2.0, np.nan])}), (3.0, {"eta": np.array([4.0, 7.0])})
-    np.testing.assert_array_equal(interpolate(1.5, before, after)["eta"], [2.5, np.nan])
-    np.testing.assert_array_equal(interpolate(3.0, before, after)["eta"], [4.0, 7.0])
+    before = Observed(1.0, 0.0, {"eta": np.array([2.0, np.nan])})
+    after = Observed(3.0, 2.0, {"eta": np.array([4.0, 7.0])})
+    np.testing.assert_array_equal(interpolate(1.5, [before, after], {})["eta"], [2.5, np.nan])
+    np.testing.assert_array_equal(interpolate(3.0, [before, after], {})["eta"], [4.0, 7.0])
+
+
+def test_what_lags_is_interpolated_at_its_own_instants():
+    """A quantity that is its time, sampled half a step late or a whole one, is still its time in the rows."""
+    lag, ends = {"middle": 0.5, "start": 1.0}, [0.0, 0.2, 0.5]
+    observed = []
+    for before, end in zip([0.0, *ends], ends, strict=False):
+        middle, step = 0.5 * (before + end), end - before
+        observed.append(
+            Observed(end, step, {"end": np.array(end), "middle": np.array(middle), "start": np.array(before)})
+        )
+    for time in (0.05, 0.1, 0.19, 0.2):
+        row = interpolate(time, observed, lag)
+        assert row["end"] == row["middle"] == pytest.approx(time) and row["start"] == pytest.approx(time)
+    assert interpolate(0.45, observed, lag)["start"] == pytest.approx(0.45)  # beyond 0.2: the line goes on
 
 
 class Collected:
@@ -72,7 +89,8 @@ class Collected:
 class Ramp:
     """Its level is twice the time; steps of an uneven length that do not know the recorder."""
 
-    time = 0.0
+    time = step_size = 0.0
+    lag: ClassVar[dict[str, float]] = {}
 
     def sample(self):
         return {"eta": 2.0 * self.time}
@@ -83,13 +101,16 @@ class Ramp:
 
 def test_rows_lie_on_multiples_whatever_the_steps_and_frames_on_stops():
     out, ramp = Collected(), Ramp()
-    recorder = Recorder(out, end=1.05, every=0.25, series_every=0.1)
+    recorder = Recorder(out, end=1.05, every=0.25, series_every=0.15)
     recorder.start(ramp)
     while ramp.time < 1.05:
-        ramp.time = min(recorder.stop, ramp.time + 0.13)
+        before, ramp.time = ramp.time, min(recorder.stop, ramp.time + 0.13)
+        ramp.step_size = ramp.time - before
         recorder.step(ramp, {"eta": np.float64(2.0 * ramp.time)})
+    assert out.rows[-1][0] == 0.9  # waits for what lags
+    recorder.finish(ramp)
     times = [t for t, _ in out.rows]
-    assert times == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
+    assert times == [0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.05]
     np.testing.assert_allclose([eta for _, eta in out.rows], 2.0 * np.array(times), atol=1e-14)
     assert out.frames == [0.0, 0.25, 0.5, 0.75, 1.0, 1.05]
 

@@ -3,7 +3,7 @@
 For the runner (every failure of the file system is an OutputError: one message with path and cure):
 
     out = Outputs(directory, case, grid)   writes nothing yet; case: .gauge, .sensor, .case, .hash
-    out.truncate_after(time)               to resume: go on with the files there, what is after `time` is dropped
+    out.truncate_after(time, row)          to resume: go on with the files there, what is after those times is dropped
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
     out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
     out.commit()                           everything appended so far is in the files; call it before each checkpoint
@@ -104,9 +104,13 @@ class Outputs:
         for writer in (self.series, self.surface, self.fields):
             writer.close()
 
-    def truncate_after(self, time: float) -> None:
-        """Resume at a checkpoint of this simulated time [s]: what is later is dropped, the run writes it again."""
-        for writer in (self.series, self.surface, self.fields):
+    def truncate_after(self, time: float, row: float) -> None:
+        """Resume at a checkpoint of this simulated time [s], whose last row of the series was at `row` [s].
+
+        What is later is dropped, the run writes it again.
+        """
+        self.series.truncate_after(row)
+        for writer in (self.surface, self.fields):
             writer.truncate_after(time)
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 POINTS = read_points(Path(__file__).parent / "data" / "front.csv")
 WIDTH = 0.05715  # a [m]
 DELAY = 0.175  # of the laboratory's clock, in T, as stated in the literature; nothing else is shifted
-THICKNESS = WIDTH / 20  # m, of the water that counts as the front: without friction a thinner tongue runs ahead
+THICKNESS = WIDTH / 20  # m, of the water that counts as the front
 MEAN, WORST = 3.0, 8.0  # %
 
 
