@@ -20,6 +20,7 @@ from houle.case_files import NAME, find, override, read_toml, to_toml
 from houle.errors import CaseError
 from houle.grid import Grid
 from houle.resistance import LAWS
+from houle.waves.table import Waves
 
 # What `scheme` stands for. Any single key of [numerics] overrides it.
 SCHEMES: dict[str, dict[str, Any]] = {
@@ -281,6 +282,21 @@ class Gate(Table):
     start: float = Field(default=0.0, ge=0, description="time at which it starts to rise [s]")
 
 
+class Sponge(Table):
+    """[[sponge]]: takes up waves on their way to the side of the tank that it touches."""
+
+    name: Name = Field(default="", description="for messages and pictures; sponge-1, ... when left out")
+    box: Annotated[tuple[Point, Point], Field(strict=False)] = Field(
+        description="corners [[x, z], [x, z]]; one end at a side of the tank [m]"
+    )
+    strength: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e4,
+        description="largest rate at which it slows the water down; when left out, 1 % of the waves comes back [1/s]",
+    )
+
+
 class Gauge(Table):
     """[[gauge]]: level of the free surface in a column, NaN when dry."""
 
@@ -388,6 +404,8 @@ class Case(Table):
     porous: Annotated[tuple[Porous, ...], Field(strict=False, description="porous bodies")] = ()
     solid: Annotated[tuple[Solid, ...], Field(strict=False, description="impermeable bodies")] = ()
     gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
+    waves: Waves | None = None
+    sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
     gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
     sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
     time: Time
@@ -402,7 +420,13 @@ class Case(Table):
         if not isinstance(value, dict):
             return value
         value = dict(value)
-        for key, prefix in (("porous", "porous-"), ("solid", "solid-"), ("gauge", "G"), ("sensor", "P")):
+        for key, prefix in (
+            ("porous", "porous-"),
+            ("solid", "solid-"),
+            ("sponge", "sponge-"),
+            ("gauge", "G"),
+            ("sensor", "P"),
+        ):
             rows = value.get(key)
             if isinstance(rows, (list, tuple)):
                 value[key] = [
@@ -433,7 +457,7 @@ class Case(Table):
             if (gauge.y is None) == (d == 3):
                 place = case_errors.place(("gauge", i, "y"), self.__dict__)
                 found.append(f"{place} is {'missing in 3D: add y [m]' if d == 3 else 'given in 2D: remove it'}")
-        for key in ("porous", "solid", "gauge", "sensor"):
+        for key in ("porous", "solid", "sponge", "gauge", "sensor"):
             names = [row.name for row in getattr(self, key)]
             found += [
                 f"{key}: the name {n} is given twice; names must differ"

@@ -56,7 +56,7 @@ KINDS = {
     "tuple_type": "a list [...]",
     "model_type": "a table",
 }
-LATER = {"waves", "sponge", "stl"}
+LATER = {"stl"}
 
 
 def show(value: Any) -> str:

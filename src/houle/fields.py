@@ -90,6 +90,10 @@ FIELDS: tuple[Field, ...] = (
     Field("potential_energy", "E_p", "J", "run", "potential energy of the water above z = 0", unit_2d="J m-1"),
     Field("drag_work", "W_d", "J", "run", "energy lost to the porous drag since the start", unit_2d="J m-1"),
     Field("viscous_work", "W_\\nu", "J", "run", "energy lost to viscosity since the start", unit_2d="J m-1"),
+    Field(
+        "sponge_work", "W_s", "J", "run", "energy lost to sponges and relaxation zones since the start", unit_2d="J m-1"
+    ),
+    Field("source_work", "W_w", "J", "run", "energy given by the wave makers since the start", unit_2d="J m-1"),
     *(
         Field(
             f"energy_{name}",

@@ -15,6 +15,7 @@ from houle.particles import Particles
 from houle.porous import Medium
 from houle.seeding import seed
 from houle.viscosity import Smoothing
+from houle.waves.makers import Maker
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 
@@ -74,6 +75,11 @@ class Flow:
         self.dirichlet = g.cells()
         self.rhs = g.cells()
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
+        self.time = 0.0  # of the positions [s]
+        self.makers: list[Maker] = []  # of waves
+        self.push: Faces = []  # their accelerations [m/s2]
+        self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
+        self.linear = medium.darcy  # that with the structure's [1/s]
         self.open_faces = [f.copy() for f in medium.open_faces]  # less what gates close
 
         solver = _core.PressureSolver2 if g.dimension == 2 else _core.PressureSolver3
@@ -102,6 +108,11 @@ class Flow:
         _core.scatter_cells(core, start, flood.position[order], flood.volume[order], capacity)
         least = 1e-9 * self.grid.cell_volume
         np.divide(1.0, capacity, out=self.inverse_tent_volume, where=capacity > least)
+
+    def damp(self, rate: Faces) -> None:
+        """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
+        self.damping = rate
+        self.linear = [a + s for a, s in zip(self.medium.darcy, rate, strict=True)]
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from houle.flow import Flow
 
+WORKS = ("drag_work", "viscous_work", "sponge_work", "source_work")
 OPERATIONS = ("forces", "projection", "transfer", "advection", "correction", "remeshing")
 
 
@@ -29,6 +30,8 @@ class Ledger:
         self.volume0 = flow.particles.total_volume
         self.drag_work = 0.0
         self.viscous_work = 0.0
+        self.sponge_work = 0.0  # taken by sponges and relaxation zones
+        self.source_work = 0.0  # given by wave makers
         self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
         self.on_grid = False
 

@@ -97,10 +97,27 @@ def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     ledger.viscous_work += before - flow.kinetic_energy()
 
 
+def make_waves(flow: Flow) -> None:
+    """Accelerations of the wave makers, on top of the viscous ones."""
+    if not flow.makers:
+        return
+    flow.push = flow.push or flow.grid.faces()
+    for f in flow.push:
+        f[...] = 0.0
+    for maker in flow.makers:
+        maker.push(flow.time, flow.push)
+    if flow.viscosity == 0.0 and flow.smagorinsky == 0.0:
+        flow.extra = flow.push
+    else:
+        for f, more in zip(flow.extra, flow.push, strict=True):
+            f += more
+
+
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
-    resistance = (m.inertia, m.darcy, m.forchheimer, m.inverse_n2) if flow.porous else ([], [], [], None)
+    resists = flow.porous or flow.damping
+    resistance = (m.inertia, flow.linear, m.forchheimer, m.inverse_n2) if resists else ([], [], [], None)
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     _core.apply_forces(
         flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
@@ -132,9 +149,24 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     )  # fmt: skip
     _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
-    if flow.porous:
-        parts = zip(flow.face_mass, flow.medium.inertia, flow.resisted, flow.old_velocity, flow.velocity, strict=True)
+    _book_works(flow, ledger)
+
+
+def _book_works(flow: Flow, ledger: Ledger) -> None:
+    """What drag and sponges took in this step, and what the wave makers gave."""
+    inertia, old, new = flow.medium.inertia, flow.old_velocity, flow.velocity
+    if flow.porous or flow.damping:
+        parts = zip(flow.face_mass, inertia, flow.resisted, old, new, strict=True)
         ledger.drag_work += sum(_core.face_drag_work(*part) for part in parts)
+    if flow.damping:
+        share = [k * s for k, s in zip(flow.mobility, flow.damping, strict=True)]
+        parts = zip(flow.face_mass, inertia, share, old, new, strict=True)
+        sponge = sum(_core.face_drag_work(*part) for part in parts)
+        ledger.sponge_work += sponge
+        ledger.drag_work -= sponge
+    if flow.push:
+        each = zip(flow.face_mass, inertia, flow.mobility, flow.push, old, new, strict=True)
+        ledger.source_work += sum(float(np.sum(m * j * k * f * (u0 + u1))) for m, j, k, f, u0, u1 in each) / 2
 
 
 def move(flow: Flow, dt: float) -> None:

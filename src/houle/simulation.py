@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from houle.flow import Flow
 from houle.frame import Frame
 from houle.geometry import shape_of
 from houle.grid import FloatArray
-from houle.ledger import OPERATIONS, Ledger
+from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import at_points, levels_at
 from houle.operations import arrange, prepare
 from houle.particles import Particles
@@ -27,6 +28,10 @@ from houle.resistance import coefficients, inertia_coefficient
 from houle.seeding import seed
 from houle.step import STEPS
 from houle.transfer import make
+from houle.waves.makers import damping, make_maker
+from houle.waves.sponge import resist, way_length
+from houle.waves.table import make as make_wave
+from houle.waves.wave import Wave
 
 WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
 
@@ -55,6 +60,7 @@ class Simulation:
         self.ledger = Ledger(self.flow)
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0
+        self.wave = self._add_waves()
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
 
@@ -66,6 +72,23 @@ class Simulation:
     def timings(self) -> dict[str, float]:
         return self.ledger.seconds
 
+    def _add_waves(self) -> Wave | None:
+        """Wave maker and sponges of the case."""
+        case, flow, grid = self.case, self.flow, self.grid
+        rate, wave = grid.faces(), None
+        speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
+        if case.waves is not None:
+            wave = make_wave(case.waves, case.fluid.gravity, case.path.parent if case.path else Path())
+            maker = make_maker(case.waves, wave, grid)
+            flow.makers, speed = [maker], wave.group_velocity
+            maker.resist(rate)
+        for sponge in case.sponge:
+            length = way_length(sponge.box, grid)
+            resist(sponge.box, sponge.strength or damping(speed, length), grid, rate)
+        if any(r.any() for r in rate):
+            flow.damp(rate)
+        return wave
+
     # ---- marching ------------------------------------------------------------------------------------------------
 
     def advance(self, stop: float) -> None:
@@ -74,6 +97,7 @@ class Simulation:
         count = max(1, math.ceil(remaining / self._largest_step() - 1e-9))
         last, self.step_size = self.step_size, remaining / count
         self._place_gates()
+        self.flow.time = self.time
         self.ledger.open()
         try:
             self.step.advance(self.flow, self.step_size, last, self.ledger)
@@ -153,16 +177,7 @@ class Simulation:
     @property
     def lag(self) -> dict[str, float]:
         """By how much of a step what sample() gives is older than `time`; names left out are of `time`."""
-        moving = (
-            "velocity",
-            "kinetic_energy",
-            "drag_work",
-            "viscous_work",
-            "max_speed",
-            "momentum_x",
-            "momentum_y",
-            "momentum_z",
-        )
+        moving = ("velocity", "kinetic_energy", "max_speed", *(f"momentum_{axis}" for axis in "xyz"), *WORKS)
         return {"pressure": self.step.pressure_lag, **dict.fromkeys(moving, self.step.velocity_lag)}
 
     def sample(self) -> dict[str, FloatArray]:
@@ -189,6 +204,8 @@ class Simulation:
             "potential_energy": rho * flow.potential_energy(),
             "drag_work": rho * ledger.drag_work,
             "viscous_work": rho * ledger.viscous_work,
+            "sponge_work": rho * ledger.sponge_work,
+            "source_work": rho * ledger.source_work,
             "max_speed": float(speed.max()),
             "courant": flow.courant(self.step_size),
             "step_size": self.step_size,
@@ -247,8 +264,7 @@ class Simulation:
             "pressure": flow.pressure,
             "psi": flow.psi,
             "volume0": np.array(ledger.volume0),
-            "drag_work": np.array(ledger.drag_work),
-            "viscous_work": np.array(ledger.viscous_work),
+            **{name: np.array(getattr(ledger, name)) for name in WORKS},
             **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
             **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
             **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
@@ -269,7 +285,8 @@ class Simulation:
         for a, u in enumerate(flow.velocity):
             u[...] = state[f"face_velocity.{a}"]
         ledger.volume0 = float(state["volume0"])
-        ledger.drag_work, ledger.viscous_work = float(state["drag_work"]), float(state["viscous_work"])
+        for name in WORKS:
+            setattr(ledger, name, float(state[name]))
         for key, value in state.items():
             kind, _, name = key.partition(".")
             if kind == "energy":

@@ -17,6 +17,7 @@ from houle.operations import (
     correct_positions,
     drift,
     find_surface,
+    make_waves,
     move,
     project,
     rate,
@@ -49,6 +50,7 @@ class Step:
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
             viscosity(flow, kick, ledger)  # (3), on the grid
+            make_waves(flow)  # (4), (5)
             apply_forces(flow, kick)  # (13), drag and Bernoulli term implicit
         with ledger.operation("projection"):
             project(flow, kick, ledger)  # (15), (16)
@@ -92,6 +94,7 @@ class PaperStep:
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)
         with ledger.operation("forces"):
+            make_waves(flow)  # (4), (5)
             apply_forces(flow, dt)  # (13), drag implicit
         with ledger.operation("projection"):
             project(flow, dt, ledger)  # (15), (16)

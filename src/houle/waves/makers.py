@@ -1,0 +1,189 @@
+"""What makes the waves of a run: a force inside the water, or a zone in which the flow is led towards the wave.
+
+A maker adds accelerations to the faces. What damps (a relaxation zone, a sponge) is a linear resistance, and enters the
+implicit drag with the pressure: it limits no time step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+from typing import Protocol
+
+import numpy as np
+
+from houle.grid import Faces, FloatArray, Grid
+from houle.waves.dispersion import group_velocity
+from houle.waves.table import Source, Waves, Zone
+from houle.waves.wave import Components, Wave, WaveError, ramp
+
+SHARPNESS = 20.0  # beta width^2 of the source (JH2020 (4); Wei, Kirby & Sinha 1999)
+REACH = 1.25  # widths to each side of the source where its force is not negligible: exp(-20 * 1.25^2) = 3e-14
+NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
+WIDTH = {True: 1.0, False: 0.25}  # of a source for regular waves, for a spectrum with its short waves, in wavelengths
+LEFT_OVER = 0.01  # of the amplitude of a wave that went through a sponge and back
+
+
+class Maker(Protocol):
+    """Adds to the accelerations of the faces [m/s2] what makes the waves at time t [s]."""
+
+    def push(self, t: float, acceleration: Faces) -> None: ...
+
+    def resist(self, rate: Faces) -> None:
+        """Adds what it damps to the linear resistance of the faces [1/s]."""
+
+
+@dataclass
+class InternalSource:
+    """The momentum source of JH2020 (4), (5), corrected: the gradient of a potential G(x) times oscillations.
+
+    G = exp(-beta (x - x0)^2), beta = 20 / width^2, uniform over the depth. To both sides each component is pushed by
+    -g (D/omega) G' sin(omega t - k_y y - psi); to one side by half of that with the part added whose waves on the other
+    side cancel: -g (D/2 omega) (G' sin(...) +- G''/k_x cos(...)).
+
+    first     number of the first face it pushes
+    shapes    G' [1/m] and +-G''  [1/m2] on these faces (2, faces)
+    size      g D / omega of the components [m2/s2], halved for one side; k_x [rad/m]
+    """
+
+    first: int
+    shapes: FloatArray
+    size: FloatArray
+    k_x: FloatArray
+    omega: FloatArray
+    offset: FloatArray  # k_y y + psi [rad], (ny, components); one row in 2D
+    duration: float  # of the ramp [s]
+
+    @classmethod
+    def of(
+        cls, table: Source, parts: Components, wave: Wave, grid: Grid, duration: float, width: float
+    ) -> InternalSource:
+        h, count = grid.spacing[0], grid.shape[0]
+        beta = SHARPNESS / width**2
+        first, last = (round((table.x + s * REACH * width) / h) for s in (-1, 1))
+        first, last = max(1, first), min(count - 1, last)
+        x = np.arange(first, last + 1) * h - table.x
+        bell = np.exp(-beta * x**2)
+        slope, curvature = -2 * beta * x * bell, (4 * beta**2 * x**2 - 2 * beta) * bell
+        k_x, k_y = parts.k * np.cos(parts.direction), parts.k * np.sin(parts.direction)
+        reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I, the strength of G at k_x
+        height = 2 * parts.amplitude
+        strength = (
+            wave.gravity
+            * height
+            * _speed(table.form, parts, wave.depth, wave.gravity)
+            * np.cos(parts.direction)
+            / reach
+        )
+        size = strength / parts.omega
+        sign = {"both": 0.0, "right": 1.0, "left": -1.0}[table.side]
+        if sign:
+            size = size / 2
+        y = grid.axis_points(1) if grid.dimension == 3 else np.zeros(1)
+        offset = y[:, None] * k_y + k_x * table.x * (sign or 1.0) + parts.phase
+        return cls(first, np.stack([slope, sign * curvature]), size, k_x, parts.omega, offset, duration)
+
+    def resist(self, rate: Faces) -> None:
+        """It damps nothing."""
+
+    def push(self, t: float, acceleration: Faces) -> None:
+        theta = self.omega * t - self.offset
+        grown = float(ramp(t, self.duration))
+        beat = -grown * np.stack([(self.size * np.sin(theta)).sum(-1), (self.size / self.k_x * np.cos(theta)).sum(-1)])
+        here = acceleration[0][self.first : self.first + self.shapes.shape[1]]
+        force = self.shapes[0][:, None] * beat[0] + self.shapes[1][:, None] * beat[1]  # (faces, ny)
+        here += force[..., None] if here.ndim == 3 else force
+
+
+def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatArray:
+    """The factor of D that is the group velocity [m/s]: exact for potential flow, or of the Boussinesq equations."""
+    if form == "linear":
+        return np.asarray(group_velocity(parts.k, depth, gravity))
+    k, omega = parts.k, parts.omega
+    bracket = omega**2 - (NWOGU + 1 / 3) * gravity * k**4 * depth**3
+    return bracket / (omega * k * (1 - NWOGU * (k * depth) ** 2))
+
+
+@dataclass
+class RelaxationZone:
+    """The flow is led towards the wave, the harder the further in: du/dt = ... + sigma (u_wave - u).
+
+    What comes back from the structure is damped on its way in. The zone begins at a wall, which the wave of theory
+    would cross: over the first part the wave grows from nothing, so that the water it needs comes from the level there.
+
+    first, last   faces of axis 0 and cells it covers (slices)
+    """
+
+    wave: Wave
+    faces: slice
+    cells: slice
+    x: tuple[FloatArray, FloatArray]  # of the faces of axis 0, of the cell centres [m]
+    z: tuple[FloatArray, FloatArray]  # of the centres and of the faces of the last axis [m]
+    sigma: tuple[FloatArray, FloatArray]  # on faces and centres [1/s]
+    share: tuple[FloatArray, FloatArray]  # of the wave, 0 at the wall
+    duration: float
+
+    def push(self, t: float, acceleration: Faces) -> None:
+        grown = float(ramp(t, self.duration))
+        u = self.wave.velocity_on(self.x[0], self.z[0], t)[0]
+        w = self.wave.velocity_on(self.x[1], self.z[1], t)[1]
+        pairs = ((0, self.faces, u), (len(acceleration) - 1, self.cells, w))
+        for (axis, where, velocity), sigma, share in zip(pairs, self.sigma, self.share, strict=True):
+            force = (grown * sigma * share)[:, None] * velocity
+            acceleration[axis][where] += force[:, None, :] if acceleration[axis].ndim == 3 else force
+
+    @classmethod
+    def of(cls, table: Zone, wave: Wave, grid: Grid, duration: float) -> RelaxationZone:
+        start, end = table.x
+        h, n = grid.spacing[0], grid.shape[0]
+        if grid.dimension == 3 and wave.direction:
+            raise WaveError("waves.zone leads waves along x only; take waves.source for oblique waves")
+        faces = slice(max(0, round(start / h)), min(n, round(end / h)) + 1)
+        cells = slice(faces.start, faces.stop - 1)
+        x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
+        most = damping(wave.group_velocity, (end - start) / 3)
+        inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its beginning
+        up = grid.dimension - 1
+        return cls(
+            wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
+            sigma=tuple(most * np.clip(3 * s, 0, 1) ** 2 for s in inwards),
+            share=tuple(smooth(3 * (1 - s)) for s in inwards),
+            duration=duration,
+        )  # fmt: skip
+
+    def resist(self, rate: Faces) -> None:
+        """Adds sigma to the linear resistance of the faces [1/s]."""
+        last = len(rate) - 1
+        for axis, r in enumerate(rate):
+            where, sigma = (self.faces, self.sigma[0]) if axis == 0 else (self.cells, self.sigma[1])
+            r[where] += sigma.reshape((-1,) + (1,) * last)
+
+
+def smooth(s: FloatArray) -> FloatArray:
+    """0 below 0, 1 above 1, smooth between (two continuous derivatives)."""
+    s = np.clip(s, 0, 1)
+    return s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def damping(group_velocity: float, length: float) -> float:
+    """The largest rate sigma [1/s] of a sponge of this length [m] that grows with the square of the way into it.
+
+    A wave that goes in and comes back keeps exp(-sigma length / (3 c_g)) of its amplitude: LEFT_OVER. Uniform over
+    the depth, it slows water down at the rate sigma and takes half of that from the amplitude, both ways.
+    """
+    return -3 * log(LEFT_OVER) * group_velocity / length
+
+
+def make_maker(table: Waves, wave: Wave, grid: Grid) -> InternalSource | RelaxationZone:
+    """The maker that the table asks for. Raises WaveError."""
+    if table.zone is not None:
+        return RelaxationZone.of(table.zone, wave, grid, table.ramp_time())
+    if table.source is None:
+        raise WaveError("waves.piston is not there yet: take waves.zone or waves.source")
+    parts = wave.components()
+    if parts is None:
+        raise WaveError(f"waves.source cannot make a {table.kind} wave, which is no sum of cosines: take waves.zone")
+    if table.kind == "regular":  # the harmonics of a steep wave are bound to it, and grow on the way
+        parts = Components(*(getattr(parts, f)[:1] for f in ("amplitude", "omega", "k", "phase", "direction")))
+    width = table.source.width or WIDTH[table.kind == "regular"] * wave.length
+    return InternalSource.of(table.source, parts, wave, grid, table.ramp_time(), width)
