@@ -1,0 +1,112 @@
+"""What every wave can say about itself. x runs along the direction of travel, z upwards from the BED, crest at x = t = 0.
+
+A theory is a class that fills `Wave` and writes `elevation`, `velocity` and `velocity_on`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from houle.errors import CaseError
+
+Array = NDArray[np.float64]
+
+
+class WaveError(CaseError):
+    """A theory cannot give the wave that is asked for. The message names both numbers and the cure."""
+
+
+@dataclass(frozen=True)
+class Components:
+    """elevation = sum amplitude cos(k (x cos direction + y sin direction) - omega t + phase); arrays of one length.
+
+    amplitude [m], omega [rad/s], k [rad/m], phase [rad], direction [rad].
+    """
+
+    amplitude: Array
+    omega: Array
+    k: Array
+    phase: Array
+    direction: Array
+
+    def elevation(self, x: ArrayLike, t: ArrayLike, y: ArrayLike = 0.0) -> Array:
+        """The sum [m] at x, y [m] and t [s], broadcast against each other."""
+        x, y, t = (np.asarray(v, dtype=float)[..., None] for v in (x, y, t))
+        along = x * np.cos(self.direction) + y * np.sin(self.direction)
+        return (self.amplitude * np.cos(self.k * along - self.omega * t + self.phase)).sum(-1)
+
+
+@dataclass(frozen=True)
+class Wave(ABC):
+    """A wave over a flat bed, travelling in +x.
+
+    name       theory                              reason     why it was chosen, one sentence, "" if the user did
+    height     [m] crest to trough (Hm0 of a spectrum, crest above still water of a solitary wave or focused group)
+    period     [s] (peak period of a spectrum; time in which a solitary wave passes)
+    length     [m] of the wave of that period      depth      still water depth [m]
+    celerity   speed of the crests [m/s] in the flume     gravity    [m/s2]
+    phase      [rad] added to k x - omega t
+    direction  [rad] of travel from the x axis, for those who place it in 3D: x here is x cos + y sin there
+    """
+
+    name: str
+    reason: str
+    height: float
+    period: float
+    length: float
+    depth: float
+    celerity: float
+    group_velocity: float
+    gravity: float
+    phase: float
+    direction: float
+
+    @property
+    def k(self) -> float:
+        """Wave number [rad/m]."""
+        return 2 * pi / self.length
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency [rad/s]."""
+        return 2 * pi / self.period
+
+    @property
+    @abstractmethod
+    def crest(self) -> float:
+        """Highest elevation above still water [m]; of a random sea the level that it stays below in practice."""
+
+    @abstractmethod
+    def elevation(self, x: ArrayLike, t: ArrayLike) -> Array:
+        """Height of the surface above still water [m] at x [m], t [s], broadcast."""
+
+    @abstractmethod
+    def velocity(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
+        """(u, w) [m/s] at x, z [m] (broadcast), z from the bed; above the crest the values at the crest's level."""
+
+    @abstractmethod
+    def velocity_on(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
+        """(u, w), each (len(x), len(z)), on the columns x (nx,) and levels z (nz,): what a grid wants, much faster."""
+
+    def components(self) -> Components | None:
+        """The elevation as a sum of cosines; None if it is none (solitary wave)."""
+        return None
+
+    def flux(self, x: ArrayLike, t: float, nodes: int = 24) -> Array:
+        """Integral of u from the bed to the surface [m2/s] at x, by Gauss-Legendre quadrature."""
+        x = np.atleast_1d(np.asarray(x, dtype=float))
+        points, weights = np.polynomial.legendre.leggauss(nodes)
+        level = self.depth + self.elevation(x, t)
+        u, _ = self.velocity(x[:, None], level[:, None] * (points + 1) / 2, t)
+        return (u * weights).sum(-1) * level / 2
+
+
+def ramp(t: ArrayLike, duration: float) -> Array:
+    """Share of the full wave at time t [s]: half a cosine from 0 at t = 0 to 1 at t = duration, 1 if duration = 0."""
+    share = np.clip(np.asarray(t, dtype=float) / duration, 0, 1) if duration > 0 else np.ones(np.shape(t))
+    return 0.5 - 0.5 * np.cos(pi * share)
