@@ -56,8 +56,6 @@ def elliptic(v: Array, ratio: float) -> tuple[Array, Array]:
         sign = 1.0 if n % 2 == 0 else -1.0
         cn += sign * 2 * e / (1 + e * e)
         sn += sign * np.sign(factor * v - n * spacing) * (1 - e * e) / (1 + e * e)
-    if images % 2:  # the tanh of the images cancel in pairs; the outermost stands alone
-        sn += 0.0
     cn, sn = cn * factor / sqrt(m), sn * factor / sqrt(m)
     return cn * cn, sn * cn * np.sqrt(np.maximum(1 - m + m * cn * cn, 0))
 
@@ -168,7 +166,7 @@ class Cnoidal(Wave):
 def _wave_of(ratio: float, height: float, depth: float, gravity: float) -> tuple[float, float, float, float]:
     """Trough depth h, alpha, celerity and length [m, -, m/s, m] of the wave with this ratio."""
     m, k, _ = parameter(ratio)
-    c2, _ = elliptic(np.arange(PHASES) * (2 * k / PHASES), ratio)
+    c2, _ = elliptic(np.linspace(0, 2 * k, PHASES, endpoint=False), ratio)
     trough = depth
     for _ in range(100):
         a, b, c = surface(height / trough, m)
@@ -196,8 +194,8 @@ def cnoidal(height: float, period: float, depth: float, gravity: float, phase: f
     shortest, longest = period_of(low), period_of(high)
     if not shortest <= period <= longest:
         raise WaveError(
-            f"cnoidal: a period of {period:g} s is outside {shortest:.3g} to {longest:.3g} s, what the theory gives for "
-            f'height {height:g} m in {depth:g} m of water; use theory = "fenton"'
+            f"cnoidal: a period of {period:g} s is outside {shortest:.3g} to {longest:.3g} s, what the theory gives "
+            f'for height {height:g} m in {depth:g} m of water; use theory = "fenton"'
         )
     for _ in range(60):
         middle = sqrt(low * high)

@@ -29,6 +29,7 @@ ORDERS = (8, 12, 18, 27, 40, 60, 90, 128)  # tried until the last harmonics are 
 NEGLIGIBLE = 1e-9  # last harmonic of the surface relative to the height
 CONVERGED = 1e-13
 ITERATIONS = 25
+DEEPEST = 600.0  # N k d, so that cosh(N k d) is a number
 
 
 class NotConverged(WaveError):
@@ -154,16 +155,20 @@ def _climb(height: float, omega: float, order: int) -> _Solution | None:
 def solve(height: float, omega: float) -> _Solution:
     """The wave of the height (in depths) and angular frequency (in sqrt(g/d)). Raises NotConverged."""
     k = float(dispersion.wave_number(omega, 1.0, 1.0))
-    start = max(12, min(40, ceil(2.5 * (height / limits.ursell_height(k)) ** 0.5)))
+    start = min(40, ceil(2.5 * (height / limits.ursell_height(k)) ** 0.5))
     found: _Solution | None = None
     for order in (o for o in ORDERS if o >= start):
-        if order * k > 300:
+        if order * k > DEEPEST:
             break
         found = _climb(height, omega, order) if found is None else _newton(found.refined(order), height, omega) or found
         if found is not None and np.abs(found.harmonics()[-2:]).max() < NEGLIGIBLE * height:
             return found
-    if found is None or np.abs(found.harmonics()[-2:]).max() > 1e-3 * height:
-        raise NotConverged(f"no stream function wave of H/d = {height:.3g} was found")
+    if found is None or np.abs(found.harmonics()[-2:]).max() > 1e-4 * height:
+        highest = limits.williams(2 * pi / k, 1.0)
+        raise NotConverged(
+            f"fenton: no stream function wave of H/d = {height:.3g} and L/d near {2 * pi / k:.3g}, where the highest "
+            f"is {highest:.3g} d ({height / highest:.0%} of it is asked for): give a lower height, or a shorter period"
+        )
     return found
 
 

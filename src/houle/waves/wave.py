@@ -1,4 +1,4 @@
-"""What every wave can say about itself. x runs along the direction of travel, z upwards from the BED, crest at x = t = 0.
+"""What every wave can say about itself: x along the direction of travel, z upwards from the BED, crest at x = t = 0.
 
 A theory is a class that fills `Wave` and writes `elevation`, `velocity` and `velocity_on`.
 """

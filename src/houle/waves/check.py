@@ -1,0 +1,192 @@
+"""Can the theory carry this wave, can the grid? Numbers for `houle check`, and refusals with the cure."""
+
+from __future__ import annotations
+
+from math import inf, pi
+from typing import Literal
+
+from houle.waves import dispersion
+from houle.waves.cnoidal import Cnoidal
+from houle.waves.limits import limits
+from houle.waves.linear import Linear
+from houle.waves.wave import Wave
+
+Level = Literal["error", "warning", "info"]
+Told = tuple[Level, str]
+
+CELLS_PER_LENGTH = (20.0, 50.0)  # refused below the first, warned of below the second
+CELLS_PER_HEIGHT = (1.0, 4.0)
+URSELL = {"stokes-2": 10.0, "stokes-3": 20.0, "stokes-4": 30.0, "stokes-5": 40.0}  # Fenton (1985, 1990): 40 for order 5
+NEAR = 0.8  # share of the breaking limit that is warned of
+
+
+def assess(wave: Wave, spacing: float) -> list[Told]:
+    """(level, text) rows: what the wave is, then what is doubtful or refused. spacing is the grid's [m]."""
+    return [*_numbers(wave, spacing), *_breaking(wave), *_theory(wave), *_resolution(wave, spacing)]
+
+
+def _solitary(wave: Wave) -> bool:
+    return isinstance(wave, Cnoidal) and wave.ratio == inf
+
+
+def _crest_to_trough(wave: Wave) -> float:
+    """The height to hold against limits [m]: of a group twice its crest."""
+    return 2 * wave.height if wave.name == "focused" else wave.height
+
+
+def _numbers(wave: Wave, spacing: float) -> list[Told]:
+    h, d, dx = _crest_to_trough(wave), wave.depth, spacing
+    many = isinstance(wave, Linear) and len(wave.parts.k) > 1
+    lim = limits(h, wave.length, d)
+    said: list[Told] = [("info", wave.reason or wave.name)]
+    peak = " of the peak period" if many else ""
+    if _solitary(wave):
+        said.append(("info", f"H/d = {h / d:.3g}, {wave.length:.4g} m long, celerity {wave.celerity:.4g} m/s"))
+        said.append(("info", f"highest wave {lim.mccowan:.4g} m (McCowan), {0.833 * d:.4g} m (Williams)"))
+    else:
+        said.append(
+            (
+                "info",
+                f"wavelength{peak} {wave.length:.4g} m, celerity {wave.celerity:.4g} m/s, kh = {lim.kh:.3g}, "
+                f"H/L = {lim.steepness:.3g}, Ursell number {lim.ursell:.3g}",
+            )
+        )
+        said.append(
+            (
+                "info",
+                f"highest wave {lim.miche:.4g} m (Miche), {lim.mccowan:.4g} m (McCowan), {lim.williams:.4g} m "
+                f"(Williams); H = {h:.4g} m is {lim.share:.0%} of the lowest",
+            )
+        )
+    said.append(("info", f"L/dx = {wave.length / dx:.3g}, H/dx = {h / dx:.3g}"))
+    return said
+
+
+def _breaking(wave: Wave) -> list[Told]:
+    h, d = _crest_to_trough(wave), wave.depth
+    lim = limits(h, 1e9 * d if _solitary(wave) else wave.length, d)
+    regular = not isinstance(wave, Linear) or len(wave.parts.k) == 1
+    if h > lim.williams:
+        what = "the wave breaks" if regular else "waves of this height break"
+        return [
+            (
+                "error",
+                f"waves: H = {h:.4g} m is above the highest wave, {lim.williams:.4g} m for L = {wave.length:.4g} m and "
+                f"d = {d:g} m: {what}; give a height below {lim.breaking:.3g} m or deeper water",
+            )
+        ]
+    if h > NEAR * lim.breaking:
+        return [
+            (
+                "warning",
+                f"waves: H = {h:.4g} m is {lim.share:.0%} of the breaking limit {lim.breaking:.4g} m: crests may "
+                f"break; below {NEAR * lim.breaking:.3g} m they should not",
+            )
+        ]
+    return []
+
+
+def _theory(wave: Wave) -> list[Told]:
+    lim = limits(wave.height, wave.length, wave.depth)
+    said: list[Told] = []
+    most = URSELL.get(wave.name)
+    if most is not None and lim.ursell > most:
+        said.append(
+            (
+                "error",
+                f"waves: Ursell number {lim.ursell:.3g} is above {most:g}, where {wave.name} ends: its series has a "
+                'false second crest; use theory = "fenton"',
+            )
+        )
+    if wave.name == "airy" and lim.ursell > 8 * pi**2 / 3 * 0.5:
+        said.append(
+            (
+                "warning",
+                f"waves: Ursell number {lim.ursell:.3g} is above {4 * pi**2 / 3:.3g}: the wave is not linear, its "
+                'second harmonic is free and travels slower; use theory = "auto"',
+            )
+        )
+    if wave.name == "cnoidal":
+        said += _cnoidal(wave)
+    if wave.name == "solitary" and wave.height > 0.5 * wave.depth:
+        said.append(
+            (
+                "warning",
+                f"waves: H/d = {wave.height / wave.depth:.3g} is above 0.5: third-order solitary theory errs by some "
+                f"{(wave.height / wave.depth) ** 4:.0%} of the depth; give a height below {0.5 * wave.depth:.3g} m",
+            )
+        )
+    if isinstance(wave, Linear) and len(wave.parts.k) > 1 and _crest_to_trough(wave) > 0.4 * wave.depth:
+        said.append(
+            (
+                "warning",
+                f"waves: H/d = {_crest_to_trough(wave) / wave.depth:.3g} is above 0.4: a sum of linear waves has no "
+                f"bound harmonics there; heights below {0.4 * wave.depth:.3g} m are nearer to linear",
+            )
+        )
+    return said
+
+
+def _cnoidal(wave: Wave) -> list[Told]:
+    ratio, height = wave.length / wave.depth, wave.height / wave.depth
+    if ratio < 8:
+        text = f"waves: L/d = {ratio:.3g} is below 8, where cnoidal theory ends"
+        return [("error", text + '; use theory = "fenton"')]
+    if height > 0.4:
+        text = f"waves: H/d = {height:.3g} is above 0.4: third-order theory errs by some {height**4:.0%} of the depth"
+        return [("warning", text + '; use theory = "fenton"')]
+    return []
+
+
+def _resolution(wave: Wave, spacing: float) -> list[Told]:
+    h, said = _crest_to_trough(wave), list[Told]()
+    least, good = CELLS_PER_LENGTH
+    cells = wave.length / spacing
+    if cells < least:
+        said.append(
+            (
+                "error",
+                f"waves: L/dx = {cells:.3g} is below {least:g}: the grid cannot carry L = {wave.length:.4g} m; "
+                f"give domain.spacing below {wave.length / least:.3g} m",
+            )
+        )
+    elif cells < good:
+        said.append(
+            (
+                "warning",
+                f"waves: L/dx = {cells:.3g} is below {good:g}: the wave will decay and lag; "
+                f"give domain.spacing below {wave.length / good:.3g} m",
+            )
+        )
+    least, good = CELLS_PER_HEIGHT
+    cells = h / spacing
+    if cells < good:
+        said.append(
+            (
+                "warning",
+                f"waves: H/dx = {cells:.3g} is below {good if cells >= least else least:g}: "
+                + ("the wave is lower than a cell; " if cells < least else "a few cells over the height; ")
+                + f"give domain.spacing below {h / good:.3g} m",
+            )
+        )
+    said += _short_components(wave, spacing)
+    return said
+
+
+def _short_components(wave: Wave, spacing: float) -> list[Told]:
+    """Share of the energy in components that the grid does not carry."""
+    if not isinstance(wave, Linear) or len(wave.parts.k) == 1:
+        return []
+    shortest = CELLS_PER_LENGTH[0] * spacing
+    energy = wave.parts.amplitude**2
+    lost = float(energy[wave.parts.k * shortest > 2 * pi].sum() / energy.sum())
+    if lost < 0.02:
+        return []
+    f = dispersion.frequency(2 * pi / shortest, wave.depth, wave.gravity) / (2 * pi)
+    return [
+        (
+            "warning",
+            f"waves: {lost:.0%} of the energy is in waves shorter than {CELLS_PER_LENGTH[0]:g} dx = {shortest:.3g} m "
+            f"(above {float(f):.3g} Hz), which the grid damps; a smaller domain.spacing keeps them",
+        )
+    ]

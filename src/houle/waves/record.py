@@ -1,0 +1,118 @@
+"""A recorded series of elevations at one place: a laboratory wave, a ship's drawdown and secondary waves.
+
+The record is led back to still water on both sides by half cosines (nothing between its first and last time is
+changed), made into Fourier components, each of which travels by linear dispersion. Very long components are welcome:
+k d -> 0 is the long wave with u = sqrt(g/d) times the elevation, and the mean is one of them, so that the water is at
+rest before and after the event. Components that do not matter are left out (`tolerance`).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.waves import dispersion
+from houle.waves.linear import Linear
+from houle.waves.wave import Array, Components, WaveError
+
+COLUMNS = ("t_s", "eta_m")
+LEAD = 0.15  # of the duration, on each side
+TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
+
+
+def read(file: Path) -> tuple[Array, Array]:
+    """Times [s] and elevations [m] of a CSV file: comment lines (#), a header t_s,eta_m, numbers. Raises WaveError."""
+    try:
+        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
+        header = [name.strip() for name in lines[0].split(",")]
+        rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
+        time, eta = (rows[:, header.index(name)] for name in COLUMNS)
+    except OSError as error:
+        raise WaveError(f"waves.file = {file} cannot be read: {error.strerror}") from None
+    except (ValueError, IndexError) as error:
+        raise WaveError(
+            f"waves.file = {file} is not a table with the header {','.join(COLUMNS)} and a number in every "
+            f"column ({error})"
+        ) from None
+    if len(time) < 4 or not np.all(np.isfinite(rows)) or np.any(np.diff(time) <= 0):
+        raise WaveError(
+            f"waves.file = {file} needs at least 4 rows of finite numbers with rising times; it has {len(time)}"
+        )
+    return time, eta
+
+
+def series(
+    time: Array,
+    eta: Array,
+    depth: float,
+    gravity: float,
+    direction: float = 0.0,
+    place: float = 0.0,
+    tolerance: float = TOLERANCE,
+) -> Linear:
+    """The wave whose elevation at x = `place` [m] is the record: times (N,) rising [s], elevations (N,) [m].
+
+    Even spacing is kept, uneven is interpolated linearly on the smallest step. height is its highest minus its lowest
+    level, period that of the most energetic component.
+    """
+    if not -depth < eta.min() <= eta.max() < 2 * depth:
+        raise WaveError(
+            f"waves.file: elevations from {eta.min():g} to {eta.max():g} m do not fit a depth of {depth:g} m: they are "
+            "heights above still water in metres"
+        )
+    if not np.ptp(eta):
+        raise WaveError(f"waves.file: all elevations are {eta[0]:g} m: a wave has to move")
+    t, samples, dt = _padded(time, eta)
+    spectrum = np.fft.rfft(samples) / len(samples)
+    size = np.abs(spectrum) * np.where(np.arange(len(spectrum)) == 0, 1.0, 2.0)
+    if len(samples) % 2 == 0:
+        size[-1] /= 2
+    energy = size**2 * np.where(np.arange(len(size)) == 0, 1.0, 0.5)
+    kept = np.sort(_largest(energy, tolerance))
+    omega = 2 * np.pi * kept / (len(samples) * dt)
+    k = dispersion.wave_number(omega, depth, gravity)
+    phase = np.asarray(omega * t[0] - np.angle(spectrum[kept]) - k * place)  # cos(k x - omega t + phase)
+    peak = 2 * np.pi / float(omega[np.argmax(np.where(omega > 0, size[kept], 0))])
+    peak_k = dispersion.wave_number(2 * np.pi / peak, depth, gravity)
+    return Linear(
+        name="series",
+        reason="",
+        height=float(np.ptp(eta)),
+        period=peak,
+        length=float(2 * np.pi / peak_k),
+        depth=depth,
+        celerity=float(dispersion.celerity(peak_k, depth, gravity)),
+        group_velocity=float(dispersion.group_velocity(peak_k, depth, gravity)),
+        gravity=gravity,
+        phase=0.0,
+        direction=direction,
+        parts=Components(np.asarray(size[kept]), omega, k, phase, np.full(len(kept), direction)),
+        highest=max(1.2 * float(eta.max()), 0.05 * float(np.ptp(eta))),
+    )
+
+
+def _padded(time: Array, eta: Array) -> tuple[Array, Array, float]:
+    """Even times, samples led back to 0 on both sides, and the step."""
+    steps = np.diff(time)
+    dt = float(time[-1] - time[0]) / (len(time) - 1)
+    if np.ptp(steps) > 1e-6 * dt:
+        dt = float(time[-1] - time[0]) / int(np.ceil((time[-1] - time[0]) / steps.min()))
+        even = time[0] + dt * np.arange(round((time[-1] - time[0]) / dt) + 1)
+        time, eta = even, np.interp(even, time, eta)
+    lead = max(4, round(LEAD * len(eta)))
+    fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, lead + 1) / lead)
+    return (
+        time[0] + dt * (np.arange(len(eta) + 2 * lead) - lead),
+        np.concatenate([eta[0] * fade[::-1], eta, eta[-1] * fade]),
+        dt,
+    )
+
+
+def _largest(energy: Array, tolerance: float) -> NDArray[np.int64]:
+    """Indices of the fewest components that leave less than tolerance^2 of the energy out."""
+    order = np.argsort(energy, kind="stable")[::-1]
+    left = energy.sum() - np.cumsum(energy[order])
+    count = int(np.argmax(left <= tolerance**2 * energy.sum())) + 1 if tolerance > 0 else len(order)
+    return np.asarray(order[:count], dtype=np.int64)

@@ -1,0 +1,145 @@
+"""Random seas and focused groups: a spectrum, its discretisation, seeded phases.
+
+Spectra [m2/Hz], every one scaled so that the discrete components have the wanted Hm0 = 4 sqrt(m0) exactly:
+
+    pierson-moskowitz   f^-5 exp(-5/4 (f/fp)^-4)                              Pierson & Moskowitz (1964)
+    jonswap             that, times gamma^exp(-(f/fp - 1)^2 / 2 sigma^2), sigma = 0.07 below fp, 0.09 above
+                                                                              Hasselmann et al. (1973)
+    tma                 that, times tanh^2(kd)/(1 + 2kd/sinh 2kd), the depth function of Kitaigorodskii et al. (1975)
+                                                                              Bouws et al. (1985), J. Geophys. Res. 90
+
+The band 0.5 fp to 3.5 fp is cut into equal cells (the tail above holds 0.8 % of the energy of Pierson-Moskowitz); each
+component carries the energy of its cell, at a frequency drawn at random within it. So no two differences of frequencies
+are alike and the sea does not repeat, unlike with equal spacing, where it does after 1/df.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from houle.waves import dispersion
+from houle.waves.linear import Linear
+from houle.waves.wave import Array, Components
+
+BAND = (0.5, 3.5)  # of the peak frequency
+COUNT = 200
+SUB = 32  # points of the spectrum in a cell
+GAMMA = 3.3
+HIGHEST = 1.86  # highest wave of 1000 over Hm0 (Rayleigh); crests of half of it and a bit are reckoned with
+
+
+def pierson_moskowitz(f: Array, peak: float) -> Array:
+    """Shape of the spectrum at f [Hz], 1/Hz^5."""
+    return f**-5.0 * np.exp(-1.25 * (f / peak) ** -4.0)
+
+
+def jonswap(f: Array, peak: float, gamma: float) -> Array:
+    """The same with the peak raised gamma times."""
+    sigma = np.where(f <= peak, 0.07, 0.09)
+    return pierson_moskowitz(f, peak) * gamma ** np.exp(-(((f / peak - 1) / sigma) ** 2) / 2)
+
+
+def tma(f: Array, peak: float, gamma: float, depth: float, gravity: float) -> Array:
+    """JONSWAP in finite depth [m]."""
+    kd = dispersion.wave_number(2 * np.pi * f, depth, gravity) * depth
+    x = np.minimum(2 * kd, 700.0)
+    return jonswap(f, peak, gamma) * np.tanh(kd) ** 2 / (1 + x / np.sinh(x))
+
+
+def shape(kind: str, f: Array, peak: float, gamma: float, depth: float, gravity: float) -> Array:
+    """The spectrum named in the case file, to a factor."""
+    if kind == "pierson-moskowitz":
+        return pierson_moskowitz(f, peak)
+    return tma(f, peak, gamma, depth, gravity) if kind == "tma" else jonswap(f, peak, gamma)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Frequencies [Hz] and relative energy (sum 1) of the components."""
+
+    f: Array
+    energy: Array
+
+
+def cells(
+    kind: str, period: float, gamma: float, depth: float, gravity: float, count: int, draw: np.random.Generator
+) -> Cells:
+    """The band cut into `count` cells; the frequencies are the first numbers drawn."""
+    edges = np.linspace(*BAND, count + 1) / period
+    width = edges[1] - edges[0]
+    inside = edges[:-1, None] + (np.arange(SUB) + 0.5) / SUB * width
+    energy = shape(kind, inside, 1 / period, gamma, depth, gravity).mean(-1)
+    return Cells(edges[:-1] + draw.random(count) * width, energy / energy.sum())
+
+
+def _linear(
+    name: str, height: float, period: float, depth: float, gravity: float, parts: Components, highest: float
+) -> Linear:
+    k = dispersion.wave_number(2 * np.pi / period, depth, gravity)
+    return Linear(
+        name=name,
+        reason="",
+        height=height,
+        period=period,
+        length=float(2 * np.pi / k),
+        depth=depth,
+        celerity=float(dispersion.celerity(k, depth, gravity)),
+        group_velocity=float(dispersion.group_velocity(k, depth, gravity)),
+        gravity=gravity,
+        phase=0.0,
+        direction=float(parts.direction[0]),
+        parts=parts,
+        highest=highest,
+    )
+
+
+def irregular(
+    kind: str,
+    height: float,
+    period: float,
+    depth: float,
+    gravity: float,
+    direction: float = 0.0,
+    seed: int = 1,
+    gamma: float = GAMMA,
+    count: int = COUNT,
+) -> Linear:
+    """A long-crested random sea of significant height Hm0 [m] and peak period [s].
+
+    kind "jonswap", "pierson-moskowitz" or "tma". The same seed gives the same sea, bit for bit, on every machine
+    (numpy's PCG64): frequencies first, then phases. Amplitudes are not random: every realisation has the wanted Hm0.
+    """
+    draw = np.random.Generator(np.random.PCG64(seed))
+    c = cells(kind, period, gamma, depth, gravity, count, draw)
+    amplitude = np.sqrt(2 * c.energy) * height / 4
+    phase = draw.random(count) * 2 * np.pi
+    omega = 2 * np.pi * c.f
+    k = dispersion.wave_number(omega, depth, gravity)
+    parts = Components(amplitude, omega, k, phase, np.full(count, direction))
+    return _linear(kind, height, period, depth, gravity, parts, 0.6 * HIGHEST * height)
+
+
+def focused(
+    height: float,
+    period: float,
+    depth: float,
+    gravity: float,
+    x: float,
+    time: float,
+    direction: float = 0.0,
+    seed: int = 1,
+    gamma: float = GAMMA,
+    count: int = COUNT,
+) -> Linear:
+    """NewWave: the most probable shape around a high crest of a JONSWAP sea, its autocorrelation.
+
+    The crest stands `height` [m] ABOVE STILL WATER at x [m] and `time` [s]; amplitudes in proportion to the energy.
+    Tromans, Anaturk & Hagemeijer (1991), Proc. 1st ISOPE. The seed only places the frequencies in their cells.
+    """
+    c = cells("jonswap", period, gamma, depth, gravity, count, np.random.Generator(np.random.PCG64(seed)))
+    omega = 2 * np.pi * c.f
+    k = dispersion.wave_number(omega, depth, gravity)
+    parts = Components(height * c.energy, omega, k, omega * time - k * x, np.full(count, direction))
+    return _linear("focused", height, period, depth, gravity, parts, height)

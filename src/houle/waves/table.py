@@ -1,0 +1,208 @@
+"""The table [waves] of a case file, and the wave it stands for.
+
+Keys of a kind that does not use them are errors. Every message of the models starts with the key it is about, as in
+case.py; `case_errors.explain` puts the table's name before it.
+"""
+
+from __future__ import annotations
+
+from math import radians
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from houle.waves import record, spectra, theories
+from houle.waves.cnoidal import solitary
+from houle.waves.dispersion import GRAVITY
+from houle.waves.wave import Wave
+
+Kind = Literal["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series"]
+Theory = Literal["auto", "airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal"]
+Pair = Annotated[tuple[float, float], Field(strict=False)]
+
+NEEDS: dict[str, tuple[str, ...]] = {
+    "regular": ("height", "period"),
+    "solitary": ("height",),
+    "jonswap": ("height", "period"),
+    "pierson-moskowitz": ("height", "period"),
+    "tma": ("height", "period"),
+    "focused": ("height", "period", "focus"),
+    "series": ("file",),
+}
+TAKES: dict[str, tuple[str, ...]] = {
+    "regular": ("theory",),
+    "solitary": ("focus",),
+    "jonswap": ("seed", "gamma"),
+    "pierson-moskowitz": ("seed",),
+    "tma": ("seed", "gamma"),
+    "focused": ("seed", "gamma"),
+    "series": (),
+}
+MAKERS = ("source", "zone", "piston")
+ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
+
+
+class Table(BaseModel):
+    """As in case.py: nothing unknown, nothing converted, nothing infinite, nothing changed later."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class Focus(Table):
+    """waves.focus: where and when the crest stands."""
+
+    x: float = Field(description="position of the crest [m]")
+    time: float = Field(ge=0, description="time of the crest [s]")
+
+
+class Source(Table):
+    """waves.source: waves made by a force inside the water; they run out to both sides, or are let out on one."""
+
+    x: float = Field(description="middle of the source [m]")
+    width: float | None = Field(default=None, gt=0, description="width; half a wavelength when left out [m]")
+    form: Literal["linear", "boussinesq"] = Field(
+        default="linear", description="amplitude from the group velocity of linear theory, or the paper's eq. (5)"
+    )
+    side: Literal["both", "left", "right"] = Field(default="both", description="where the waves go")
+
+
+class Zone(Table):
+    """waves.zone: relaxation zone, the flow is led towards the wave between x[0] and x[1]."""
+
+    x: Pair = Field(description="from, to; the wave is complete at the first, free at the second [m]")
+
+    @model_validator(mode="after")
+    def has_a_length(self) -> Zone:
+        if self.x[0] == self.x[1]:
+            raise ValueError(
+                f"x = [{self.x[0]:g}, {self.x[1]:g}] has no length: give two places, best a wavelength apart"
+            )
+        return self
+
+
+class Piston(Table):
+    """waves.piston: the left wall moves."""
+
+    absorb: bool = Field(default=False, description="also takes up the waves that come back to it")
+
+
+class Waves(Table):
+    """[waves]"""
+
+    kind: Kind = Field(description="what comes")
+    theory: Theory = Field(default="auto", description="of regular waves, see `houle describe theories`")
+    height: float | None = Field(
+        default=None,
+        gt=0,
+        le=100,
+        description="crest to trough; Hm0 of a spectrum; of solitary and focused the crest above still water [m]",
+        examples=[0.04],
+    )
+    period: float | None = Field(
+        default=None, gt=0, le=1e5, description="wave period, peak period of a spectrum [s]", examples=[1.2]
+    )
+    depth: float = Field(gt=0, le=1000, description="still water depth where the waves are made [m]", examples=[0.25])
+    direction: float = Field(
+        default=0.0, gt=-90, lt=90, description="direction of travel from the x axis, 3D only [degrees]"
+    )
+    seed: int = Field(default=1, ge=0, description="of the random phases and frequencies: same seed, same sea")
+    gamma: float = Field(default=spectra.GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
+    file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
+    focus: Focus | None = Field(
+        default=None, description="where and when the crest of a focused or solitary wave stands"
+    )
+    ramp: float | None = Field(
+        default=None,
+        ge=0,
+        description="time in which the waves grow; two periods when left out, none for solitary, focused, series [s]",
+    )
+    source: Source | None = Field(default=None, description="internal source {x, width, form, side}")
+    zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}")
+    piston: Piston | None = Field(default=None, description="moving left wall {absorb}")
+
+    @model_validator(mode="after")
+    def agrees(self) -> Waves:
+        found = [f"{key} is missing: {self._what(key)}" for key in NEEDS[self.kind] if getattr(self, key) is None]
+        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        for key in ("theory", "height", "period", "seed", "gamma", "file", "focus"):
+            if key in self.model_fields_set and key not in allowed and getattr(self, key) is not None:
+                found.append(f'{key} does not belong to kind = "{self.kind}": remove it{self._hint(key)}')
+        given = [key for key in MAKERS if getattr(self, key) is not None]
+        if len(given) != 1:
+            held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
+            found.append(
+                f": {held}; give exactly one of source = {{x = ...}}, zone = {{x = [from, to]}}, piston = {{}}"
+            )
+        if self.height is not None and self.kind != "series" and self.height > self.depth:
+            found.append(
+                f"height = {self.height:g} is above depth = {self.depth:g} m: no wave stands higher than 0.83 depths; "
+                "both are in metres"
+            )
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def _what(self, key: str) -> str:
+        field = type(self).model_fields[key]
+        example = f", for example {field.examples[0]}" if field.examples else ""
+        return f'{field.description}{example} (kind = "{self.kind}" needs it)'
+
+    def _hint(self, key: str) -> str:
+        if key == "gamma":
+            return ", its peak has gamma = 1" if self.kind == "pierson-moskowitz" else ""
+        if key == "period" and self.kind == "solitary":
+            return ", a solitary wave has none"
+        return ", they are in the file" if self.kind == "series" and key in ("height", "period") else ""
+
+    @property
+    def maker(self) -> Source | Zone | Piston:
+        """The one that is given."""
+        return next(m for m in (self.source, self.zone, self.piston) if m is not None)
+
+    @property
+    def start(self) -> float:
+        """Where the waves come from [m]: the source, the nearer end of the zone, the piston at 0."""
+        if self.source is not None:
+            return self.source.x
+        return min(self.zone.x) if self.zone is not None else 0.0
+
+    def ramp_time(self) -> float:
+        """Time in which the waves grow [s]; use `wave.ramp(t, ramp_time)`."""
+        if self.ramp is not None:
+            return self.ramp
+        return 2 * self.period if self.period is not None and self.kind != "focused" else 0.0
+
+
+def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
+    """The wave of the table; `folder` is where its file lies. Raises WaveError.
+
+    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.start`), the
+    crest of a solitary wave comes to its focus, or starts well before the maker.
+    """
+    angle = radians(table.direction)
+    if table.kind == "series":
+        time, eta = record.read(folder / str(table.file))
+        return record.series(time, eta, table.depth, gravity, angle, place=table.start)
+    height, period = float(table.height or 0), float(table.period or 0)
+    if table.kind == "regular":
+        return theories.regular(table.theory, height, period, table.depth, gravity, 0.0, angle)
+    if table.kind == "solitary":
+        wave = solitary(height, table.depth, gravity, 0.0, angle)
+        crest = table.start - ARRIVES * wave.length / 2
+        if table.focus is not None:
+            crest = table.focus.x - wave.celerity * table.focus.time
+        return solitary(height, table.depth, gravity, crest, angle)
+    if table.kind == "focused" and table.focus is not None:
+        return spectra.focused(
+            height,
+            period,
+            table.depth,
+            gravity,
+            table.focus.x,
+            table.focus.time,
+            angle,
+            table.seed,
+            table.gamma,
+        )
+    return spectra.irregular(table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma)
