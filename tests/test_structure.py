@@ -16,7 +16,7 @@ CORE = ROOT / "core"
 LAYERS = (
     {"_core", "errors"},
     {"grid", "particles", "geometry", "moments", "fields", "frame"},
-    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity"},
+    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "waves"},
     {"flow", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},
     {"step"},

@@ -186,8 +186,21 @@ def _rows(key: str, rows: Rows) -> Table:
     return table
 
 
+def theories(console: Console) -> None:
+    """Wave theories and the waves that a case can have, with range and source."""
+    from houle.waves.theories import PASSPORTS
+
+    table = _table("wave", "what it is", "where it holds", "source")
+    for name, p in PASSPORTS.items():
+        table.add_row(name, escape(p.what), escape(p.range), escape(p.source))
+    console.print(table)
+    words = 'Down to cnoidal: theory of kind = "regular" in [waves]; below: the other kinds. Equations: docs/waves.md.'
+    console.print(escape(words), highlight=False)
+
+
 TOPICS: dict[str, Callable[[Console], None]] = {
     "resistance": resistance,
+    "theories": theories,
     "kernels": kernels,
     "transfers": transfers,
     "remeshing": remeshing,
