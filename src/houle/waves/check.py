@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import inf, pi, sqrt
 from typing import Literal
 
 from houle.waves import dispersion
@@ -179,14 +179,15 @@ def _short_components(wave: Wave, spacing: float) -> list[Told]:
         return []
     shortest = CELLS_PER_LENGTH[0] * spacing
     energy = wave.parts.amplitude**2
-    lost = float(energy[wave.parts.k * shortest > 2 * pi].sum() / energy.sum())
-    if lost < 0.02:
+    short = float(energy[wave.parts.k * shortest > 2 * pi].sum())
+    lost, height = short / float(energy.sum()), 4 * sqrt(short / 2)
+    if lost < 0.02 and height < 0.05 * wave.height:
         return []
     f = dispersion.frequency(2 * pi / shortest, wave.depth, wave.gravity) / (2 * pi)
     return [
         (
             "warning",
-            f"waves: {lost:.0%} of the energy is in waves shorter than {CELLS_PER_LENGTH[0]:g} dx = {shortest:.3g} m "
+            f"waves: {lost:.1%} of the energy, Hm0 = {height:.2g} m, is in waves shorter than {CELLS_PER_LENGTH[0]:g} dx = {shortest:.3g} m "
             f"(above {float(f):.3g} Hz), which the grid damps; a smaller domain.spacing keeps them",
         )
     ]

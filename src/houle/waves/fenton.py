@@ -29,6 +29,7 @@ ORDERS = (8, 12, 18, 27, 40, 60, 90, 128)  # tried until the last harmonics are 
 NEGLIGIBLE = 1e-9  # last harmonic of the surface relative to the height
 CONVERGED = 1e-13
 ITERATIONS = 25
+LONGER = 1.2  # the most by which steep waves are longer than linear ones
 DEEPEST = 600.0  # N k d, so that cosh(N k d) is a number
 
 
@@ -119,7 +120,8 @@ def _newton(guess: _Solution, height: float, omega: float) -> _Solution | None:
     """The wave near the guess, or nothing. It must have one crest and stay above the bed."""
     v = guess.pack()
     for _ in range(ITERATIONS):
-        f, d = _equations(v, height, omega)
+        with np.errstate(over="ignore", invalid="ignore"):  # a guess that runs away is found out below
+            f, d = _equations(v, height, omega)
         try:
             step = np.linalg.solve(d, -f)
         except np.linalg.LinAlgError:
@@ -145,7 +147,7 @@ def _climb(height: float, omega: float, order: int) -> _Solution | None:
         found = _newton(_Solution.unpack(guess), to, omega)
         if found is None:
             step /= 2
-            if step < 1e-3 * height:
+            if step < 0.01 * height:
                 return None
             continue
         before, now, at, step = (now, to - at), found, to, step * 1.7
@@ -157,9 +159,8 @@ def solve(height: float, omega: float) -> _Solution:
     k = float(dispersion.wave_number(omega, 1.0, 1.0))
     start = min(40, ceil(2.5 * (height / limits.ursell_height(k)) ** 0.5))
     found: _Solution | None = None
-    for order in (o for o in ORDERS if o >= start):
-        if order * k > DEEPEST:
-            break
+    possible = height < limits.williams(LONGER * 2 * pi / k, 1.0)
+    for order in (o for o in ORDERS if o >= start and o * k < DEEPEST and possible):
         found = _climb(height, omega, order) if found is None else _newton(found.refined(order), height, omega) or found
         if found is not None and np.abs(found.harmonics()[-2:]).max() < NEGLIGIBLE * height:
             return found

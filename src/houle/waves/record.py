@@ -71,7 +71,7 @@ def series(
         size[-1] /= 2
     energy = size**2 * np.where(np.arange(len(size)) == 0, 1.0, 0.5)
     kept = np.sort(_largest(energy, tolerance))
-    omega = 2 * np.pi * kept / (len(samples) * dt)
+    omega: Array = np.asarray(2 * np.pi / (len(samples) * dt) * kept, dtype=float)
     k = dispersion.wave_number(omega, depth, gravity)
     phase = np.asarray(omega * t[0] - np.angle(spectrum[kept]) - k * place)  # cos(k x - omega t + phase)
     peak = 2 * np.pi / float(omega[np.argmax(np.where(omega > 0, size[kept], 0))])
