@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from places import DEPTH, GRAVITY, surface_errors
 from scipy.special import ellipj, ellipk
 
 from houle.waves.cnoidal import cnoidal, current, elliptic, parameter, scale, solitary, surface
 from houle.waves.fenton import fenton
 from houle.waves.wave import WaveError
-from places import DEPTH, GRAVITY, surface_errors
 
 
 @pytest.mark.parametrize("ratio", [0.9, 1.0, 1.7, 2.5, 4.0])
@@ -47,7 +47,9 @@ def test_series_have_their_properties(m):
 @pytest.mark.parametrize("period", [3.0, 6.0])
 def test_order_of_cnoidal_theory(period):
     """Errors at the surface go with the fourth power of H/d once the shape (m) is kept: T grows as the height falls."""
-    errors = [np.array(surface_errors(cnoidal(h, period * s, DEPTH, GRAVITY, 0, 0))) for h, s in ((0.02, 1), (0.01, 2**0.5))]
+    errors = [
+        np.array(surface_errors(cnoidal(h, period * s, DEPTH, GRAVITY, 0, 0))) for h, s in ((0.02, 1), (0.01, 2**0.5))
+    ]
     assert np.log2(errors[0] / errors[1]) == pytest.approx([4.5, 4.0], abs=0.35)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from places import DEPTH, GRAVITY, PLACES, surface_errors
 from raschii import FentonWave
 from scipy.optimize import brentq
 
@@ -10,7 +11,6 @@ from houle.waves.fenton import NotConverged, fenton
 from houle.waves.stokes import stokes
 from houle.waves.theories import PASSPORTS, REGULAR, regular
 from houle.waves.wave import WaveError, ramp
-from places import DEPTH, GRAVITY, PLACES, surface_errors
 
 X = np.linspace(-1.3, 2.1, 41)
 STOKES = ("stokes-2", "stokes-3", "stokes-4", "stokes-5")
@@ -156,7 +156,14 @@ def test_stream_function_against_raschii(height, period):
 # Output files of J. D. Fenton's program Fourier, 20 terms, mean Eulerian velocity zero, in the repository
 # FentonStokesClass of C. C. Tsai: H/d; L/d or T sqrt(g/d); c / sqrt(g d); Q / sqrt(g d^3); E_j k
 FENTON = {
-    "L/d = 8": (0.3, "length", 8.0, 0.9395, 0.9279, {1: 1.1060569e-1, 2: 2.7800975e-2, 3: 6.6573116e-3, 5: 4.9366487e-4}),
+    "L/d = 8": (
+        0.3,
+        "length",
+        8.0,
+        0.9395,
+        0.9279,
+        {1: 1.1060569e-1, 2: 2.7800975e-2, 3: 6.6573116e-3, 5: 4.9366487e-4},
+    ),
     "L/d = 8, high": (0.45, "length", 8.0, 0.9685, 0.9445, {1: 1.5372070e-1, 2: 5.4632283e-2, 3: 1.9049744e-2}),
     "86 % of breaking": (0.2, "period", 3.0, 0.5509, 0.5424, {1: 3.4415007e-1, 2: 7.7124456e-2, 4: 1.2081391e-2}),
 }
@@ -179,7 +186,7 @@ def test_stream_function_against_fentons_program(name):
 
 
 def test_return_current_of_a_published_wave():
-    """Fenton's program Cnoidal, fifth order with Aitken's acceleration: H/d = 0.492, T sqrt(g/d) = 22.47, no transport."""
+    """Fenton's program Cnoidal, fifth order and Aitken: H/d = 0.492, T sqrt(g/d) = 22.47, no transport."""
     wave = fenton(0.492, 22.47, 1.0, 1.0, 0, 0)
     assert wave.length == pytest.approx(24.9115, rel=2e-4)
     assert wave.celerity == pytest.approx(1.1087, rel=2e-4)
@@ -201,7 +208,12 @@ def test_stokes_refuses_what_it_cannot():
 
 
 def test_auto_says_why():
-    for height, period, name in ((0.001, 1.2, "airy"), (0.04, 1.2, "fenton"), (0.1, 4.0, "fenton"), (0.05, 60.0, "cnoidal")):
+    for height, period, name in (
+        (0.001, 1.2, "airy"),
+        (0.04, 1.2, "fenton"),
+        (0.1, 4.0, "fenton"),
+        (0.05, 60.0, "cnoidal"),
+    ):
         wave = regular("auto", height, period, DEPTH)
         assert wave.name == name and wave.reason.startswith(f"{name}: ") and wave.reason.count("\n") == 0
     assert regular("airy", 0.001, 1.2, DEPTH).reason == ""

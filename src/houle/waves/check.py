@@ -9,6 +9,7 @@ from houle.waves import dispersion
 from houle.waves.cnoidal import Cnoidal
 from houle.waves.limits import limits
 from houle.waves.linear import Linear
+from houle.waves.stokes import second_harmonic
 from houle.waves.wave import Wave
 
 Level = Literal["error", "warning", "info"]
@@ -17,6 +18,7 @@ Told = tuple[Level, str]
 CELLS_PER_LENGTH = (20.0, 50.0)  # refused below the first, warned of below the second
 CELLS_PER_HEIGHT = (1.0, 4.0)
 URSELL = {"stokes-2": 10.0, "stokes-3": 20.0, "stokes-4": 30.0, "stokes-5": 40.0}  # Fenton (1985, 1990): 40 for order 5
+BENT = 0.03  # second harmonic over height from which an airy wave is warned of
 NEAR = 0.8  # share of the breaking limit that is warned of
 
 
@@ -98,12 +100,12 @@ def _theory(wave: Wave) -> list[Told]:
                 'false second crest; use theory = "fenton"',
             )
         )
-    if wave.name == "airy" and lim.ursell > 8 * pi**2 / 3 * 0.5:
+    if wave.name == "airy" and (second := second_harmonic(wave.height, wave.length, wave.depth)) > BENT:
         said.append(
             (
                 "warning",
-                f"waves: Ursell number {lim.ursell:.3g} is above {4 * pi**2 / 3:.3g}: the wave is not linear, its "
-                'second harmonic is free and travels slower; use theory = "auto"',
+                f"waves: the second harmonic of this wave is {second:.1%} of its height, above {BENT:.0%}: an airy "
+                'wave starts without it and sends a free one after, which is slower; use theory = "auto"',
             )
         )
     if wave.name == "cnoidal":
@@ -187,7 +189,8 @@ def _short_components(wave: Wave, spacing: float) -> list[Told]:
     return [
         (
             "warning",
-            f"waves: {lost:.1%} of the energy, Hm0 = {height:.2g} m, is in waves shorter than {CELLS_PER_LENGTH[0]:g} dx = {shortest:.3g} m "
+            f"waves: {lost:.1%} of the energy, Hm0 = {height:.2g} m, "
+            f"is in waves shorter than {CELLS_PER_LENGTH[0]:g} dx = {shortest:.3g} m "
             f"(above {float(f):.3g} Hz), which the grid damps; a smaller domain.spacing keeps them",
         )
     ]

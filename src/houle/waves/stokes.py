@@ -38,6 +38,12 @@ def series(k: float, height: float, depth: float, gravity: float, order: int) ->
     return heights[:order] / k, speeds[:order] * data["C0"] * sqrt(gravity / k), float(wave.c)
 
 
+def second_harmonic(height: float, length: float, depth: float) -> float:
+    """Amplitude of the second harmonic over the height, by Stokes' second order (dimensionless, grows with H)."""
+    k = 2 * pi / length
+    return float(series(k, height, depth, 9.81, 2)[0][1]) / height
+
+
 def stokes(
     height: float, period: float, depth: float, gravity: float, phase: float, direction: float, order: int = 5
 ) -> Steady:

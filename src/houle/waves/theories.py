@@ -16,7 +16,7 @@ from houle.waves.cnoidal import cnoidal
 from houle.waves.fenton import NotConverged, fenton
 from houle.waves.limits import miche, ursell, williams
 from houle.waves.linear import airy
-from houle.waves.stokes import series, stokes
+from houle.waves.stokes import second_harmonic, stokes
 from houle.waves.wave import Wave, WaveError
 
 REGULAR: dict[str, Callable[..., Wave]] = {
@@ -128,7 +128,7 @@ def choose(height: float, period: float, depth: float, gravity: float) -> tuple[
             f"{highest:.3g} m (Williams 1981; Miche {miche(length, depth):.3g} m): it breaks; give a lower height"
         )
     number = ursell(height, length, depth)
-    second = abs(series(2 * pi / length, height, depth, gravity, 2)[0][1]) / height
+    second = second_harmonic(height, length, depth)
     text = f"Ursell number {number:.3g}, H at {height / highest:.0%} of breaking"
     if second < FLAT and number < 40:
         return "airy", f"airy: the second harmonic would be {second:.1%} of the height, below {FLAT:.0%} ({text})"

@@ -1,0 +1,103 @@
+"""A recorded series comes out as it went in, moves by linear dispersion, and is still water outside the event."""
+
+import numpy as np
+import pytest
+
+from houle.waves.record import read, series
+from houle.waves.wave import WaveError
+
+DEPTH, GRAVITY = 4.0, 9.81
+T = np.arange(0.0, 180.0, 0.25)
+
+
+def ship(t):
+    """A drawdown of 0.35 m over a minute, secondary waves of 0.1 m and 2.4 s behind it."""
+    secondary = 0.05 * np.sin(2 * np.pi * t / 2.4) * np.exp(-(((t - 120) / 15) ** 2))
+    return -0.35 * np.exp(-(((t - 70) / 16) ** 2)) + secondary
+
+
+def test_round_trip():
+    eta = ship(T)
+    exact = series(T, eta, DEPTH, GRAVITY, tolerance=0.0)
+    np.testing.assert_allclose(exact.elevation(0.0, T), eta, atol=1e-12)
+    short = series(T, eta, DEPTH, GRAVITY)
+    error = np.std(short.elevation(0.0, T) - eta)
+    assert error < 1.2e-3 * eta.std()  # the tolerance, which is a mean over the record and its ends
+    assert len(short.components().k) < len(exact.components().k) / 3
+    assert short.height == pytest.approx(np.ptp(eta))
+
+
+def test_round_trip_elsewhere_odd_and_not_at_rest():
+    """An odd number of samples, starting and ending off zero, at x = 30, from t = 500."""
+    t = 500 + T[:481]
+    eta = 0.2 * np.sin(0.4 * t) + 0.1
+    wave = series(t, eta, DEPTH, GRAVITY, place=30.0, tolerance=0.0)
+    np.testing.assert_allclose(wave.elevation(30.0, t), eta, atol=1e-12)
+    assert np.abs(wave.elevation(0.0, t) - eta).max() > 0.05
+
+
+def test_uneven_times_are_interpolated():
+    t = np.sort(np.concatenate([T, T[:-1:3] + 0.1]))
+    wave = series(t, ship(t), DEPTH, GRAVITY, tolerance=0.0)
+    np.testing.assert_allclose(wave.elevation(0.0, T), ship(T), atol=2e-3)
+
+
+def test_long_waves_move_the_whole_depth_and_rest_outside():
+    """u = sqrt(g/d) eta at every z under the drawdown (1 % from its curvature), and no current before it."""
+    wave = series(T, ship(T), DEPTH, GRAVITY)
+    u, w = wave.velocity(0.0, np.array([0.0, 2.0, 3.5]), 70.0)
+    np.testing.assert_allclose(u, -0.35 * np.sqrt(GRAVITY / DEPTH), rtol=0.01)
+    assert np.abs(w).max() < 0.01 * np.abs(u).max()
+    before = wave.velocity(0.0, np.array([0.0, 3.5]), 2.0)[0]
+    assert np.abs(before).max() < 3e-3 * np.abs(u).max()
+
+
+def test_the_drawdown_travels_with_the_long_wave_speed():
+    wave = series(T, ship(T) * (T < 110), DEPTH, GRAVITY)
+    t = np.arange(50.0, 110.0, 0.05)
+    later = t[np.argmin(wave.elevation(60.0, t))] - t[np.argmin(wave.elevation(0.0, t))]
+    assert later == pytest.approx(60.0 / np.sqrt(GRAVITY * DEPTH), rel=0.02)
+
+
+def test_a_sine_is_one_wave():
+    """Thirty periods of a sine between its two leads: the peak is at its period."""
+    period = 3.0
+    t = np.arange(0, 90.0, 0.1)
+    wave = series(t, 0.05 * np.cos(2 * np.pi * t / period), DEPTH, GRAVITY)
+    assert wave.period == pytest.approx(period, rel=0.02)
+
+
+def test_reading(tmp_path):
+    file = tmp_path / "ship.csv"
+    file.write_text("# measured\nt_s, eta_m, other\n0, 0, 1\n0.5, 0.1, 2\n1.0, 0, 2\n1.5, -0.1, 3\n")
+    t, eta = read(file)
+    assert t.tolist() == [0, 0.5, 1.0, 1.5] and eta.tolist() == [0, 0.1, 0, -0.1]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (None, "cannot be read"),
+        ("", "header t_s,eta_m"),
+        ("time,eta_m\n0,1\n", "header t_s,eta_m"),
+        ("t_s,eta_m\n0,x\n", "header t_s,eta_m"),
+        ("t_s,eta_m\n0,1\n1\n", "header t_s,eta_m"),
+        ("t_s,eta_m\n0,0\n1,0.1\n", "at least 4 rows"),
+        ("t_s,eta_m\n0,0\n1,0.1\n0.5,0\n2,0\n", "rising times"),
+        ("t_s,eta_m\n0,0\n1,nan\n2,0\n3,0\n", "finite"),
+    ],
+)
+def test_bad_files(tmp_path, text, said):
+    file = tmp_path / "a.csv"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(WaveError, match=said) as error:
+        read(file)
+    assert str(file) in str(error.value)
+
+
+def test_records_that_are_no_waves():
+    with pytest.raises(WaveError, match="metres"):
+        series(T, 100 * ship(T), DEPTH, GRAVITY)
+    with pytest.raises(WaveError, match="has to move"):
+        series(T, 0 * T + 0.1, DEPTH, GRAVITY)
