@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from houle.waves import dispersion
 from houle.waves.wave import Array, Components, Wave
 
-BLOCK = 1 << 15  # numbers in a temporary array of `velocity`: they stay in the cache
+BLOCK = 1 << 14  # numbers in a temporary array of `velocity`: they stay in the cache
 
 
 def profiles(k: Array, z: Array, depth: float) -> tuple[Array, Array]:
