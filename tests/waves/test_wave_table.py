@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from houle.waves.spectra import irregular
 from houle.waves.table import Piston, Source, Waves, Zone, make
 from houle.waves.theories import PASSPORTS, REGULAR
 
@@ -98,6 +99,10 @@ def test_focused_and_random_and_series(tmp_path):
     sea = make(table(kind="jonswap", seed=4, direction=20.0))
     again = make(table(kind="jonswap", seed=4, direction=20.0))
     assert sea.components().phase.tobytes() == again.components().phase.tobytes()
+    direct = irregular("jonswap", 0.04, 1.2, 0.25, 9.81, seed=4).components()
+    assert sea.components().phase.tobytes() == direct.phase.tobytes()
+    peaked = make(table(kind="jonswap", seed=4, gamma=7.0)).components()
+    assert peaked.amplitude.max() > 1.2 * direct.amplitude.max()
     assert sea.direction == pytest.approx(np.radians(20)) == pytest.approx(sea.components().direction[0])
     assert make(table(kind="tma", seed=4)).components().amplitude[150] != sea.components().amplitude[150]
     t = np.arange(0, 20, 0.1)

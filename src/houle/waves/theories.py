@@ -53,7 +53,7 @@ PASSPORTS: dict[str, Passport] = {
     "stokes-5": Passport("The same to fifth order.", "Ursell number below 40", "Fenton (1985); raschii"),
     "fenton": Passport(
         "Stream function: Fourier series of the full equations, as many harmonics as matter, closed flume.",
-        "any regular wave up to some 95 % of breaking, 100 depths long and more",
+        "regular waves up to 94 % of the highest for L/d below 50, 85 % at 90, 55 % at 180",
         "Rienecker & Fenton (1981); Fenton (1988)",
     ),
     "cnoidal": Passport(
