@@ -15,8 +15,10 @@ error in the equations at the surface.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, pi, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -108,17 +110,32 @@ def current(delta: float, m: float) -> Array:
     return total
 
 
+def polynomial(coefficients: Sequence[Any] | Array, x: Array) -> Array:
+    """c_0 + c_1 x + c_2 x^2 + ..., the c_i numbers or arrays."""
+    total = np.asarray(coefficients[-1], dtype=float)
+    for c in reversed(coefficients[:-1]):
+        total = c + x * total
+    return total
+
+
+def integrals(flow: Array, y: Array) -> list[Array]:
+    """The integral from the bed of every row of `flow`, polynomials in y^2, up to y."""
+    odd = 2 * np.arange(flow.shape[1]) + 1
+    return [y * polynomial(row / odd, y * y) for row in flow]
+
+
 @dataclass(frozen=True)
 class Cnoidal(Wave):
     """ratio = K(m)/K(1 - m), infinite for the solitary wave; trough = h [m]; alpha per trough depth;
 
-    shape (3,) of the surface and flow (4, 3) of the velocity in units of sqrt(g h), added to `drift` [m/s].
+    shape (n,) of the surface: powers cn^2, cn^4, ...; flow (n + 1, n) of the velocity: powers of cn^2 from 0 and of
+    (z/h)^2 from 0, in units of sqrt(g h), added to `drift` [m/s]; n is the order.
     """
 
     ratio: float
     trough: float
     alpha: float
-    shape: tuple[float, float, float]
+    shape: tuple[float, ...]
     flow: Array
     drift: float
 
@@ -140,16 +157,14 @@ class Cnoidal(Wave):
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Array:
         c2, _ = self._elliptic(x, t)
-        a, b, c = self.shape
-        return self.trough * (1 + c2 * (a + c2 * (b + c2 * c))) - self.depth
+        return self.trough * (1 + c2 * polynomial(self.shape, c2)) - self.depth
 
     def velocity(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
         (c2, slope), y = self._elliptic(x, t), self._level(z)
-        y2, speed, p = y * y, sqrt(self.gravity * self.trough), self.flow
-        rows = [p[i, 0] + y2 * (p[i, 1] + y2 * p[i, 2]) for i in range(4)]
-        sums = [y * (p[i, 0] + y2 * (p[i, 1] / 3 + y2 * p[i, 2] / 5)) for i in range(4)]
-        u = rows[0] + c2 * (rows[1] + c2 * (rows[2] + c2 * rows[3]))
-        w = 2 * self.alpha * slope * (sums[1] + c2 * (2 * sums[2] + c2 * 3 * sums[3]))
+        speed = sqrt(self.gravity * self.trough)
+        u = polynomial([polynomial(row, y * y) for row in self.flow], c2)
+        sums = integrals(self.flow, y)
+        w = 2 * self.alpha * slope * polynomial([i * sums[i] for i in range(1, len(sums))], c2)
         return self.drift + speed * u, speed * w
 
     def velocity_on(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
@@ -169,16 +184,13 @@ def _wave_of(ratio: float, height: float, depth: float, gravity: float) -> tuple
     c2, _ = elliptic(np.linspace(0, 2 * k, PHASES, endpoint=False), ratio)
     trough = depth
     for _ in range(100):
-        a, b, c = surface(height / trough, m)
-        level = 1 + c2 * (a + c2 * (b + c2 * c))
+        level = 1 + c2 * polynomial(surface(height / trough, m), c2)
         before, trough = trough, depth / float(level.mean())
         if abs(trough - before) < 1e-15 * depth:
             break
     alpha = scale(height / trough, m)
     p = current(4 / 3 * alpha**2, m)
-    y2 = level**2
-    rows = [level * (p[i, 0] + y2 * (p[i, 1] / 3 + y2 * p[i, 2] / 5)) for i in range(4)]
-    flow = float((rows[0] + c2 * (rows[1] + c2 * (rows[2] + c2 * rows[3]))).mean())
+    flow = float(polynomial(integrals(p, level), c2).mean())
     celerity = -flow * trough / depth * sqrt(gravity * trough)
     return trough, alpha, celerity, 2 * k * trough / alpha
 
