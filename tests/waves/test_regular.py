@@ -20,7 +20,7 @@ def test_height_crest_and_mean_level(wave):
     x = np.linspace(0, wave.length, 4000, endpoint=False)
     eta = wave.elevation(x, 0.0)
     assert np.argmax(eta) == 0 and eta[0] == pytest.approx(wave.crest, rel=1e-12)
-    if wave.name == "solitary":
+    if wave.name.startswith("solitary"):
         assert eta[0] == pytest.approx(wave.height, rel=1e-14)
         return
     assert np.ptp(eta) == pytest.approx(wave.height, rel=1e-6 if wave.name != "stokes-2" else 2e-2)
@@ -70,7 +70,7 @@ def test_water_does_not_rotate(wave):
     """Series of Laplace's equation: exactly. Cnoidal and solitary: to their order."""
     z = np.linspace(0.01, 0.9 * (DEPTH - wave.height), 9)
     ux, wx, uz, _ = gradients(wave, X[:, None], z)
-    limit = 0.02 if wave.name in ("cnoidal", "solitary") else 1e-5
+    limit = 0.02 if wave.name.startswith(("cnoidal", "solitary")) else 1e-5
     assert np.abs(wx - uz).max() < limit * np.abs(ux).max()
 
 
@@ -82,7 +82,7 @@ def test_no_water_is_pumped(wave):
     """Time mean of the integral of u from bed to surface, in a closed flume; a solitary wave carries its own volume."""
     if wave.name == "airy":
         pytest.skip("linear: the transport is of second order, and not taken out")
-    if wave.name == "solitary":
+    if wave.name.startswith("solitary"):
         x = np.linspace(-12, 12, 4001)
         volume = wave.elevation(x, 0.0).sum() * (x[1] - x[0])
         third = 1.5 * (wave.height / wave.depth) ** 3  # the order of what is left out
@@ -110,7 +110,7 @@ def test_grid_and_points_agree(wave):
 
 def test_components_add_up_to_the_elevation(wave):
     parts = wave.components()
-    if wave.name == "solitary":
+    if wave.name.startswith("solitary"):
         assert parts is None
         return
     np.testing.assert_allclose(parts.elevation(X, 0.6), wave.elevation(X, 0.6), atol=1e-9 * wave.height)

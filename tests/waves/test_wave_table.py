@@ -34,7 +34,7 @@ def test_regular_wave():
 def test_every_theory_and_kind_of_the_table_is_there():
     theories = set(Waves.model_fields["theory"].annotation.__args__)
     kinds = set(Waves.model_fields["kind"].annotation.__args__)
-    assert theories == set(REGULAR) | {"auto"}
+    assert theories == set(REGULAR) | {"auto", "solitary-3", "solitary-5"}
     assert set(PASSPORTS) == theories | kinds - {"regular"}
 
 
@@ -55,6 +55,8 @@ def test_makers():
         ({"height": 4.0}, "height = 4 is above depth = 0.25 m"),
         ({"seed": 3}, 'seed does not belong to kind = "regular"'),
         ({"kind": "solitary"}, "a solitary wave has none"),
+        ({"theory": "solitary-5"}, 'theory = "solitary-5" does not give kind = "regular"'),
+        ({"kind": "solitary", "period": ..., "theory": "cnoidal"}, 'does not give kind = "solitary"'),
         ({"kind": "jonswap", "theory": "airy"}, "theory does not belong"),
         ({"kind": "pierson-moskowitz", "gamma": 3.3}, "gamma = 1"),
         ({"kind": "focused"}, "focus is missing"),
@@ -89,6 +91,8 @@ def test_solitary_wave_starts_before_the_maker_or_comes_to_its_focus():
     early = make(table(kind="solitary", period=...))
     assert early.elevation(2.0, 0.0) < 0.01 * 0.04
     assert early.elevation(2.0, np.linspace(0, 5, 500)).max() == pytest.approx(0.04, rel=1e-3)
+    assert early.name == "solitary-5"
+    assert make(table(kind="solitary", period=..., theory="solitary-3")).name == "solitary-3"
     aimed = make(table(kind="solitary", period=..., focus={"x": 6.0, "time": 3.0}))
     assert aimed.elevation(6.0, 3.0) == pytest.approx(0.04)
 
