@@ -194,7 +194,9 @@ def theories(console: Console) -> None:
     for name, p in PASSPORTS.items():
         table.add_row(name, escape(p.what), escape(p.range), escape(p.source))
     console.print(table)
-    words = 'Down to cnoidal: theory of kind = "regular" in [waves]; below: the other kinds. Equations: docs/waves.md.'
+    words = (
+        "Down to solitary-5: values of theory in [waves]; below: kinds other than regular. Equations: docs/waves.md."
+    )
     console.print(escape(words), highlight=False)
 
 

@@ -36,6 +36,16 @@ def test_round_trip_elsewhere_odd_and_not_at_rest():
     assert np.abs(wave.elevation(0.0, t) - eta).max() > 0.05
 
 
+def test_ends_are_led_back_by_half_cosines():
+    """A step of 0.2 m held for 120 s: half of it 9 s before and after, nothing 18 s away, never beyond it."""
+    t = np.arange(0, 120.01, 0.5)
+    wave = series(t, np.where(t < 1e9, 0.2, 0.0) + 1e-6 * np.sin(t), DEPTH, GRAVITY, tolerance=0.0)
+    around = np.array([-18.0, -9.0, 0.0, 120.0, 129.0, 138.0])
+    np.testing.assert_allclose(wave.elevation(0.0, around), [0, 0.1, 0.2, 0.2, 0.1, 0], atol=5e-3)
+    before = wave.elevation(0.0, np.linspace(-18, 0, 37))
+    assert np.all(np.diff(before) > -1e-6)
+
+
 def test_uneven_times_are_interpolated():
     t = np.sort(np.concatenate([T, T[:-1:3] + 0.1]))
     wave = series(t, ship(t), DEPTH, GRAVITY, tolerance=0.0)

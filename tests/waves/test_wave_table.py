@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from houle.waves.spectra import irregular
 from houle.waves.table import Piston, Source, Waves, Zone, make
 from houle.waves.theories import PASSPORTS, REGULAR
 
@@ -33,7 +34,7 @@ def test_regular_wave():
 def test_every_theory_and_kind_of_the_table_is_there():
     theories = set(Waves.model_fields["theory"].annotation.__args__)
     kinds = set(Waves.model_fields["kind"].annotation.__args__)
-    assert theories == set(REGULAR) | {"auto"}
+    assert theories == set(REGULAR) | {"auto", "solitary-3", "solitary-5"}
     assert set(PASSPORTS) == theories | kinds - {"regular"}
 
 
@@ -54,6 +55,8 @@ def test_makers():
         ({"height": 4.0}, "height = 4 is above depth = 0.25 m"),
         ({"seed": 3}, 'seed does not belong to kind = "regular"'),
         ({"kind": "solitary"}, "a solitary wave has none"),
+        ({"theory": "solitary-5"}, 'theory = "solitary-5" does not give kind = "regular"'),
+        ({"kind": "solitary", "period": ..., "theory": "cnoidal"}, 'does not give kind = "solitary"'),
         ({"kind": "jonswap", "theory": "airy"}, "theory does not belong"),
         ({"kind": "pierson-moskowitz", "gamma": 3.3}, "gamma = 1"),
         ({"kind": "focused"}, "focus is missing"),
@@ -88,6 +91,8 @@ def test_solitary_wave_starts_before_the_maker_or_comes_to_its_focus():
     early = make(table(kind="solitary", period=...))
     assert early.elevation(2.0, 0.0) < 0.01 * 0.04
     assert early.elevation(2.0, np.linspace(0, 5, 500)).max() == pytest.approx(0.04, rel=1e-3)
+    assert early.name == "solitary-5"
+    assert make(table(kind="solitary", period=..., theory="solitary-3")).name == "solitary-3"
     aimed = make(table(kind="solitary", period=..., focus={"x": 6.0, "time": 3.0}))
     assert aimed.elevation(6.0, 3.0) == pytest.approx(0.04)
 
@@ -98,6 +103,10 @@ def test_focused_and_random_and_series(tmp_path):
     sea = make(table(kind="jonswap", seed=4, direction=20.0))
     again = make(table(kind="jonswap", seed=4, direction=20.0))
     assert sea.components().phase.tobytes() == again.components().phase.tobytes()
+    direct = irregular("jonswap", 0.04, 1.2, 0.25, 9.81, seed=4).components()
+    assert sea.components().phase.tobytes() == direct.phase.tobytes()
+    peaked = make(table(kind="jonswap", seed=4, gamma=7.0)).components()
+    assert peaked.amplitude.max() > 1.2 * direct.amplitude.max()
     assert sea.direction == pytest.approx(np.radians(20)) == pytest.approx(sea.components().direction[0])
     assert make(table(kind="tma", seed=4)).components().amplitude[150] != sea.components().amplitude[150]
     t = np.arange(0, 20, 0.1)

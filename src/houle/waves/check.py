@@ -110,12 +110,12 @@ def _theory(wave: Wave) -> list[Told]:
         )
     if wave.name == "cnoidal":
         said += _cnoidal(wave)
-    if wave.name == "solitary" and wave.height > 0.5 * wave.depth:
+    if _solitary(wave) and wave.height > 0.5 * wave.depth:
         said.append(
             (
                 "warning",
-                f"waves: H/d = {wave.height / wave.depth:.3g} is above 0.5: third-order solitary theory errs by some "
-                f"{(wave.height / wave.depth) ** 4:.0%} of the depth; give a height below {0.5 * wave.depth:.3g} m",
+                f"waves: H/d = {wave.height / wave.depth:.3g} is above 0.5: {wave.name} errs by "
+                f"2 % of the depth and more; give a height below {0.5 * wave.depth:.3g} m",
             )
         )
     if isinstance(wave, Linear) and len(wave.parts.k) > 1 and _crest_to_trough(wave) > 0.4 * wave.depth:

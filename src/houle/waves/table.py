@@ -18,7 +18,9 @@ from houle.waves.dispersion import GRAVITY
 from houle.waves.wave import Wave
 
 Kind = Literal["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series"]
-Theory = Literal["auto", "airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal"]
+Theory = Literal[
+    "auto", "airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal", "solitary-3", "solitary-5"
+]
 Pair = Annotated[tuple[float, float], Field(strict=False)]
 
 NEEDS: dict[str, tuple[str, ...]] = {
@@ -32,7 +34,7 @@ NEEDS: dict[str, tuple[str, ...]] = {
 }
 TAKES: dict[str, tuple[str, ...]] = {
     "regular": ("theory",),
-    "solitary": ("focus",),
+    "solitary": ("theory", "focus"),
     "jonswap": ("seed", "gamma"),
     "pierson-moskowitz": ("seed",),
     "tma": ("seed", "gamma"),
@@ -60,11 +62,7 @@ class Source(Table):
     """waves.source: waves made by a force inside the water; they run out to both sides, or are let out on one."""
 
     x: float = Field(description="middle of the source [m]")
-    width: float | None = Field(
-        default=None,
-        gt=0,
-        description="width; a wavelength when left out, a quarter of that of the peak for spectra [m]",
-    )
+    width: float | None = Field(default=None, gt=0, description="width; half a wavelength when left out [m]")
     form: Literal["linear", "boussinesq"] = Field(
         default="linear", description="amplitude from the group velocity of linear theory, or the paper's eq. (5)"
     )
@@ -95,7 +93,7 @@ class Waves(Table):
     """[waves]"""
 
     kind: Kind = Field(description="what comes")
-    theory: Theory = Field(default="auto", description="of regular waves, see `houle describe theories`")
+    theory: Theory = Field(default="auto", description="of regular and solitary waves, see `houle describe theories`")
     height: float | None = Field(
         default=None,
         gt=0,
@@ -132,6 +130,9 @@ class Waves(Table):
         for key in ("theory", "height", "period", "seed", "gamma", "file", "focus"):
             if key in self.model_fields_set and key not in allowed and getattr(self, key) is not None:
                 found.append(f'{key} does not belong to kind = "{self.kind}": remove it{self._hint(key)}')
+        fits = self.theory == "auto" or self.theory.startswith("solitary") == (self.kind == "solitary")
+        if "theory" in allowed and not fits:
+            found.append(f'theory = "{self.theory}" does not give kind = "{self.kind}": see `houle describe theories`')
         given = [key for key in MAKERS if getattr(self, key) is not None]
         if len(given) != 1:
             held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
@@ -192,11 +193,12 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
     if table.kind == "regular":
         return theories.regular(table.theory, height, period, table.depth, gravity, 0.0, angle)
     if table.kind == "solitary":
-        wave = solitary(height, table.depth, gravity, 0.0, angle)
+        order = 3 if table.theory == "solitary-3" else 5
+        wave = solitary(height, table.depth, gravity, 0.0, angle, order)
         crest = table.start - ARRIVES * wave.length / 2
         if table.focus is not None:
             crest = table.focus.x - wave.celerity * table.focus.time
-        return solitary(height, table.depth, gravity, crest, angle)
+        return solitary(height, table.depth, gravity, crest, angle, order)
     if table.kind == "focused" and table.focus is not None:
         return spectra.focused(
             height,

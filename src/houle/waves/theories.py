@@ -53,7 +53,7 @@ PASSPORTS: dict[str, Passport] = {
     "stokes-5": Passport("The same to fifth order.", "Ursell number below 40", "Fenton (1985); raschii"),
     "fenton": Passport(
         "Stream function: Fourier series of the full equations, as many harmonics as matter, closed flume.",
-        "any regular wave up to some 95 % of breaking, 100 depths long and more",
+        "regular waves up to 94 % of the highest for L/d below 50, 85 % at 90, 55 % at 180",
         "Rienecker & Fenton (1981); Fenton (1988)",
     ),
     "cnoidal": Passport(
@@ -61,7 +61,9 @@ PASSPORTS: dict[str, Passport] = {
         "L/d above 8, H/d below 0.4",
         "Fenton (1979, 1999)",
     ),
-    "solitary": Passport("A single crest, third order.", "H/d below 0.5", "Grimshaw (1971); Fenton (1972, 1999)"),
+    "solitary-3": Passport("A single crest, third order.", "H/d below 0.3", "Grimshaw (1971); Fenton (1972, 1999)"),
+    "solitary-5": Passport("A single crest, fifth order.", "H/d below 0.5", "Fenton (1999)"),
+    "solitary": Passport("A single crest; theory solitary-5 unless told.", "H/d below 0.5", "see there"),
     "jonswap": Passport(
         "Random sea, linear, 200 components at seeded random frequencies and phases.",
         "Hm0/d below 0.4",
