@@ -13,13 +13,12 @@ GRAVITY = 9.81  # m/s2
 def wave_number(omega: ArrayLike, depth: float, gravity: float = GRAVITY) -> NDArray[np.float64]:
     """k [rad/m] of omega [rad/s] in water of a depth [m], to rounding; same shape as omega. Raises AnalysisError.
 
-    Newton on y tanh(y) = x, y = k d, x = omega^2 d / g; y tanh(y) is convex where it counts and the start lies above the root.
+    Newton on y tanh(y) = x, y = k d, x = omega^2 d / g; y tanh(y) is convex where it counts and the start lies above
+    the root.
     """
     w = np.asarray(omega, dtype=float)
     if not (depth > 0 and gravity > 0 and np.all(w >= 0)):
-        raise AnalysisError(
-            f"omega = {omega} rad/s, depth = {depth:g} m: omega >= 0, depth > 0 and gravity > 0 are needed"
-        )
+        raise AnalysisError(f"omega = {w} rad/s, depth = {depth:g} m: omega >= 0, depth > 0 and gravity > 0 are needed")
     x = w**2 * depth / gravity
     y = np.maximum(np.maximum(x, np.sqrt(x)), 1e-300)
     for _ in range(30):

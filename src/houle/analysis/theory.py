@@ -8,8 +8,9 @@ In the pores (Sollitt & Cross 1972), with the intrinsic velocity u = grad(phi),
 
 at the faces pressure and discharge are continuous: phi_water = c phi_pores, d(phi_water)/dx = n d(phi_pores)/dx.
 Both regions are expanded in their own vertical modes (Dalrymple, Losada & Martin 1991). A block in the open is the mean
-of two half problems mirrored about its middle, one with no flow through the middle (a wall), one with no pressure there:
-R = (R_wall + R_pressure) / 2, T = (R_wall - R_pressure) / 2. So one solver of M x M covers block, and block with wall.
+of two half problems mirrored about its middle, one with no flow through the middle (a wall), one with no pressure
+there: R = (R_wall + R_pressure) / 2, T = (R_wall - R_pressure) / 2. So one solver of M x M covers block, and block
+with wall.
 
 The friction f of a Darcy-Forchheimer drag a u_d + b |u_d| u_d per unit mass is that of equal work (Lorentz):
 f = <a n u^2 + b n^2 |u|^3> / (omega <u^2>), means over the block and the period.
@@ -29,7 +30,7 @@ from numpy.typing import NDArray
 from houle.analysis.errors import AnalysisError
 from houle.analysis.linear import GRAVITY
 
-Complex = NDArray[np.complex128]
+Complex = NDArray[Any]
 Real = NDArray[np.float64]
 
 
@@ -62,8 +63,8 @@ class Scatter:
 def vertical_modes(omega: float, depth: float, c: complex, number: int, gravity: float = GRAVITY) -> Complex:
     """The roots K (number,) [rad/m] of omega^2 c = g K tanh(K h) with the least Im K, none missed, none twice.
 
-    cosh(K (z + h)) obeys Y'' = K^2 Y, Y'(-h) = 0, h Y'(0) = x c Y(0), x = omega^2 h / g. In Legendre polynomials P_2j of
-    s = 1 + z / h (even: the bottom is met by itself) the weak form is a diagonal mass 1 / (4 j + 1), the stiffness
+    cosh(K (z + h)) obeys Y'' = K^2 Y, Y'(-h) = 0, h Y'(0) = x c Y(0), x = omega^2 h / g. In Legendre polynomials P_2j
+    of s = 1 + z / h (even: the bottom is met by itself) the weak form is a diagonal mass 1 / (4 j + 1), the stiffness
     m (2 m + 1), m = min(i, j), in closed form, and x c times a matrix of ones: its eigenvalues are (K h)^2. Three
     times as many polynomials as modes are taken, and each root is polished by Newton to rounding.
     """
@@ -128,7 +129,8 @@ def _half(r: _Region, porosity: float, length: float, wall: bool) -> tuple[Compl
     incident = np.zeros(len(r.water), complex)
     incident[0] = 1.0
     flow = 1j * r.water
-    # pressure on Z_q: Z_q norm (incident + R) = c overlap P; discharge on Y_m: overlap^T flow (incident - R) = n slope norm P
+    # pressure on Z_q: Z_q norm (incident + R) = c overlap P; discharge on Y_m: overlap^T flow (incident - R) = n slope
+    # norm P
     to_reflected = r.c * r.overlap / r.water_norm[:, None]
     matrix = np.diag(porosity * slope * r.pores_norm) + r.overlap.T @ (flow[:, None] * to_reflected)
     pores = np.linalg.solve(matrix, 2.0 * (r.overlap.T @ (flow * incident)))

@@ -1,0 +1,131 @@
+"""The picture of a reflection: what was measured, when, and what it was taken apart into."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from houle.output.drawing import FAINT, GREY, INK, LABORATORY, SHADE, WATER, headings, sheet, style
+
+if TYPE_CHECKING:
+    from houle.analysis.coefficients import Reflection
+
+MOST_GAUGES = 6  # drawn; evenly chosen when there are more
+
+
+def draw(r: Reflection, path: Path) -> Path:
+    """Signals with the window shaded; the envelope along the flume (regular waves); harmonics, or the spectrum."""
+    with style():
+        panels = 3 if r.amplitudes is not None else 2
+        numbers = "  ·  ".join(
+            f"${name[0]}_{name[2]}$ = {value:.3f} ({span[0]:.3f} to {span[1]:.3f})"
+            for name, value, span in (
+                ("C_R", r.C_R, r.interval_R),
+                ("C_T", r.C_T, r.interval_T),
+                ("C_D", r.C_D, r.interval_D),
+            )
+            if np.isfinite(value)
+        )
+        wave = f"{r.kind} waves, {'T' if r.kind == 'regular' else 'T_p'} = {r.period:.4g} s, {r.method}"
+        page = sheet(panels, 1, (6.4, 1.75), numbers, wave, gap=(0, 0.75), margins=(0.78, 0.9, 0.72, 0.95))
+        _signals(page.panels[0], r)
+        if r.amplitudes is not None:
+            _envelope(page.panels[1], r)
+        if r.lines is not None:
+            _spectrum(page.panels[-1], r)
+        elif r.harmonics:
+            _harmonics(page.panels[-1], r)
+        colours = {"incident": WATER, "reflected": LABORATORY}
+        page.legend([Line2D([], [], color=c, lw=2.5, label=name) for name, c in colours.items()])
+        return page.save(path)
+
+
+def _signals(panel: Any, r: Reflection) -> None:
+    g = r.record
+    rows = np.unique(np.linspace(0, len(g.x) - 1, min(len(g.x), MOST_GAUGES)).round().astype(int))
+    levels = g.eta[rows] - g.eta[rows].mean(axis=1, keepdims=True)
+    gap = 1.1 * float(np.ptp(levels, axis=1).max())
+    panel.axvspan(r.window.start, r.window.end, color=SHADE, lw=0, zorder=0)
+    for row, (level, number) in enumerate(zip(levels, rows, strict=True)):
+        base = -row * gap
+        panel.axhline(base, color=FAINT, lw=0.6, zorder=0.5)
+        panel.plot(g.time, base + level, color=INK, lw=0.8)
+        words = f"{g.names[number]}" if "=" in g.names[number] else f"{g.names[number]}, {r.towards * g.x[number]:g} m"
+        panel.annotate(words, (1.0, base), (5, 0), xycoords=panel.get_yaxis_transform(),
+                       textcoords="offset points", va="center", fontsize=7.5, color=GREY)  # fmt: skip
+    panel.set_xlim(g.time[0], g.time[-1])
+    panel.set_yticks([])
+    panel.spines["left"].set_visible(False)
+    bar = _round(0.4 * gap)
+    left = g.time[0] + 0.012 * (g.time[-1] - g.time[0])
+    panel.plot([left, left], [-0.5 * bar, 0.5 * bar], color=INK, lw=2.0, solid_capstyle="butt")
+    panel.annotate(f"{1e3 * bar:g} mm", (left, 0.5 * bar), (3, 3), textcoords="offset points", fontsize=7.5)
+    panel.set_xlabel("t [s]")
+    headings(
+        panel,
+        "Surface at the gauges",
+        f"shaded: {r.window.periods} periods, {r.window.start:.4g} to {r.window.end:.4g} s",
+    )
+
+
+def _envelope(panel: Any, r: Reflection) -> None:
+    """Amplitude of the first harmonic: measured at the gauges, and of the two waves between them."""
+    assert r.amplitudes is not None
+    first, x = r.harmonics[0], r.record.x
+    margin = 0.15 * 2 * np.pi / r.wave_number
+    along = np.linspace(x.min() - margin, x.max() + margin, 400)
+    wave = np.exp(1j * r.wave_number * along)
+    both = np.abs(first.incident * wave + first.reflected / wave)
+    panel.axhline(1e3 * abs(first.incident), color=WATER, lw=1.2)
+    panel.axhline(1e3 * abs(first.reflected), color=LABORATORY, lw=1.2)
+    panel.plot(r.towards * along, 1e3 * both, color=GREY, lw=1.2)
+    panel.plot(r.towards * x, 1e3 * np.abs(r.amplitudes[:, 1]), "o", color=INK, ms=4.5)
+    panel.set_ylim(0, None)
+    panel.set_xlim(*sorted(r.towards * along[[0, -1]]))
+    panel.set_xlabel("x [m]")
+    panel.set_ylabel("[mm]")
+    unexplained = f"unexplained {100 * r.residual:.2g} %" if np.isfinite(r.residual) else ""
+    headings(panel, "Amplitude of the first harmonic: gauges, and the two waves together", unexplained)
+
+
+def _harmonics(panel: Any, r: Reflection) -> None:
+    sizes = [("incident", 0, WATER, 1.0), ("reflected", 1, LABORATORY, 1.0)]
+    sizes += [("free_incident", 2, WATER, 0.45), ("free_reflected", 3, LABORATORY, 0.45)]
+    for part in r.harmonics:
+        shown = sizes if part.order > 1 else sizes[:2]
+        for name, place, colour, alpha in shown:
+            height = 1e3 * abs(getattr(part, name))
+            at = part.order + 0.17 * (place - 0.5 * (len(shown) - 1))
+            panel.bar(at, height, 0.15, color=colour, alpha=alpha)
+            panel.annotate(f"{height:.2g}", (at, height), (0, 2), textcoords="offset points", ha="center", fontsize=7)
+    panel.set_xticks([part.order for part in r.harmonics])
+    panel.set_xlabel("harmonic")
+    panel.set_ylabel("[mm]")
+    headings(panel, "Amplitudes taken apart", "pale: free waves; dark: moving with the primary wave")
+
+
+def _spectrum(panel: Any, r: Reflection) -> None:
+    assert r.lines is not None
+    f, width = r.lines.frequency, max(1, len(r.lines.frequency) // 60)
+    kernel = np.ones(width) / width
+    for density, colour in ((r.lines.incident, WATER), (r.lines.reflected, LABORATORY)):
+        panel.plot(f, 1e6 * density, color=colour, lw=0.4, alpha=0.35)
+        panel.plot(f, 1e6 * np.convolve(density, kernel, "same"), color=colour, lw=1.4)
+    top = 1e6 * float(np.convolve(r.lines.incident, kernel, "same").max())
+    lost = r.lines.trust == 0
+    if lost.any():
+        panel.plot(f[lost], np.zeros(lost.sum()), "|", color=GREY, ms=6)
+    panel.set_xlim(f[0], f[-1])
+    panel.set_ylim(0, 1.5 * top)
+    panel.set_xlabel("f [Hz]")
+    panel.set_ylabel(r"[mm$^2$/Hz]")
+    headings(panel, f"Spectrum taken apart, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")
+
+
+def _round(value: float) -> float:
+    """1, 2 or 5 times a power of ten, not above value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(power * max(m for m in (1, 2, 5) if m * power <= value * 1.000001))
