@@ -5,6 +5,7 @@ import numpy as np
 from houle.analysis.linear import wave_number
 
 DEPTH = 0.25
+FACE = 4.0  # where irregular waves are reflected [m]
 
 
 def regular(x, time, period, parts, depth=DEPTH):
@@ -30,8 +31,8 @@ def irregular(x, time, peak, reflect, rng, depth=DEPTH, height=0.05, on_lines=Fa
         f = rng.uniform(0.5, 2.0, 400) / peak
     density = (f * peak) ** -5 * np.exp(-1.25 * (f * peak) ** -4)
     a = np.sqrt(density / density.sum()) * np.sqrt(2) * height / 4
-    phase, back = np.exp(2j * np.pi * rng.random(len(f))), np.exp(2j * np.pi * rng.random(len(f)))
-    k, eta = wave_number(2 * np.pi * f, depth), []
+    phase, k, eta = np.exp(2j * np.pi * rng.random(len(f))), wave_number(2 * np.pi * f, depth), []
+    back = np.exp(2j * k * FACE)
     for place in x:
         forward, reflected = np.exp(1j * k * place), reflect * back * np.exp(-1j * k * place)
         F = a * phase * (transmit * forward if transmit else forward + reflected)

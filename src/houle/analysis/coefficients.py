@@ -141,8 +141,9 @@ def reflection(
         frame = _chosen(front, stand, omega, depth, maker, structure, kind, gravity, limits)
     else:
         frame = _given(front, omega, window, limits)
-    turned = [None if g is None else replace(g, x=g.x * towards) for g in (front, back)]
-    task = Task(kind, method, turned[0], turned[1], frame, omega, depth, gravity, towards, confidence, seed)
+    front = replace(front, x=front.x * towards)
+    back = None if back is None else replace(back, x=back.x * towards)
+    task = Task(kind, method, front, back, frame, omega, depth, gravity, towards, confidence, seed)
     if method == "jh2020":
         return _paper(task, bed)
     return _regular(task, wave_number) if kind == "regular" else _irregular(task)
@@ -249,6 +250,11 @@ def _regular(task: Task, number: float | str | None) -> Reflection:
             f"{100 * parts[0].residual:.0f} % of the amplitude is not two waves of k = {k:.4g} rad/m: "
             "try wave_number='fit' (high waves are longer), check period, depth and the places of the gauges"
         )
+    if not all(part.resolved for part in parts):
+        orders = ", ".join(str(part.order) for part in parts if not part.resolved)
+        notes.append(
+            f"harmonics {orders}: these gauges cannot tell free from bound waves (C_R is of the first harmonic)"
+        )
     found = estimate(of, x, k, task)
     return _answer(task, k, found, 2.0, notes, parts[0].residual, harmonics=tuple(parts), amplitudes=mean)
 
@@ -334,7 +340,7 @@ def _answer(
     intervals: dict[str, Any] = dict(zip(("interval_R", "interval_T", "interval_D"), spans, strict=True))
     quality: dict[str, Any] = {
         "residual": residual,
-        "spread": spread(k, task.front.x),
+        "spread": float(spread(k, task.front.x)),
         "covers": e.covers,
         "notes": tuple(notes),
     }

@@ -97,12 +97,12 @@ def lines(g: Gauges, depth: float, band: tuple[float, float], method: str, gravi
     """Separates each Fourier line of band [Hz] of the whole record; the ends are tapered (cosine, a part `taper`)."""
     _right_number(method, len(g.x))
     frequency, F, unit = fourier(g, band, taper)
-    rows = [
-        _line(F[i], float(k), g.x, method) for i, k in enumerate(wave_number(2 * np.pi * frequency, depth, gravity))
-    ]
-    incident, reflected, rest, apart = np.array(rows).T
+    k = wave_number(2 * np.pi * frequency, depth, gravity)
+    apart = spread(k, g.x) >= LEAST
+    energy, rest = np.zeros((len(k), 2)), np.zeros(len(k))
+    energy[apart], rest[apart] = _energies(F[apart], k[apart], g.x, method)
     total = np.sum(np.abs(F) ** 2, axis=1)
-    trust = np.where(apart > 0, 1.0 - np.clip(_smooth(rest) / _smooth(total), 0.0, 1.0), 0.0)
+    trust = np.where(apart, 1.0 - np.clip(_smooth(rest) / _smooth(np.where(apart, total, 0.0)), 0.0, 1.0), 0.0)
     lost = 1.0 - total[trust > 0].sum() / total.sum()
     if lost > 0.5:
         raise AnalysisError(
@@ -110,7 +110,7 @@ def lines(g: Gauges, depth: float, band: tuple[float, float], method: str, gravi
             f"{band[0]:.3g} "
             f"and {band[1]:.3g} Hz: their spacings are near multiples of half the wavelengths there"
         )
-    return Lines(frequency, unit * incident, unit * reflected, trust)
+    return Lines(frequency, unit * energy[:, 0], unit * energy[:, 1], trust)
 
 
 def fourier(g: Gauges, band: tuple[float, float], taper: float) -> tuple[Real, Complex, float]:
@@ -127,18 +127,20 @@ def fourier(g: Gauges, band: tuple[float, float], taper: float) -> tuple[Real, C
     return frequency[inside], F, 0.5 * g.step * len(g.time) / float(np.mean(shape**2))
 
 
-def _line(F: Complex, k: float, x: Real, method: str) -> tuple[float, float, float, float]:
-    """Energies of the two waves less those of the noise, energy of the noise at all gauges, 1 if they can be told
-    apart.
+def _energies(F: Complex, k: Real, x: Real, method: str) -> tuple[Real, Real]:
+    """F (n, G) -> energies of the two waves less those of the noise (n, 2), energy of the noise at all gauges (n,).
+
+    With P = 1 - B A (A: amplitudes from gauges, B: gauges from amplitudes) noise of variance s leaves s |P|^2 at the
+    gauges, and puts s |A_row|^2 into each wave.
     """
-    if spread(k, x) < LEAST:
-        return 0.0, 0.0, 0.0, 0.0
-    A = operator(k, x, weights(k, x) if method == "zelt-skjelbreia" else np.ones(len(x)))
-    projector = np.eye(len(x)) - np.exp(1j * k * np.outer(x, [1.0, -1.0])) @ A
-    freedom = float(np.sum(np.abs(projector) ** 2))
-    noise = float(np.sum(np.abs(projector @ F) ** 2)) / freedom if len(x) > 2 else 0.0
-    energy = np.abs(A @ F) ** 2 - noise * np.sum(np.abs(A) ** 2, axis=1)
-    return float(energy[0]), float(energy[1]), noise * len(x), 1.0
+    A = operator(k, x, weights(k, x) if method == "zelt-skjelbreia" else np.ones((len(k), len(x))))
+    energy = np.abs(np.einsum("nwg,ng->nw", A, F)) ** 2
+    if len(x) == 2:
+        return energy, np.zeros(len(k))
+    B = np.exp(1j * k[:, None, None] * x[:, None] * np.array([1.0, -1.0]))
+    P = np.eye(len(x)) - B @ A
+    noise = np.sum(np.abs(np.einsum("npg,ng->np", P, F)) ** 2, axis=1) / np.sum(np.abs(P) ** 2, axis=(1, 2))
+    return energy - noise[:, None] * np.sum(np.abs(A) ** 2, axis=2), noise * len(x)
 
 
 def _smooth(values: Real, width: int = 9) -> Real:

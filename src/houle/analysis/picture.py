@@ -29,7 +29,7 @@ def draw(r: Reflection, path: Path) -> Path:
             )
             if np.isfinite(value)
         )
-        wave = f"{r.kind} waves, {'T' if r.kind == 'regular' else 'T_p'} = {r.period:.4g} s, {r.method}"
+        wave = f"{r.kind} waves, {'T' if r.kind == 'regular' else '$T_p$'} = {r.period:.4g} s, {r.method}"
         page = sheet(panels, 1, (6.4, 1.75), numbers, wave, gap=(0, 0.75), margins=(0.78, 0.9, 0.72, 0.95))
         _signals(page.panels[0], r)
         if r.amplitudes is not None:
@@ -59,14 +59,10 @@ def _signals(panel: Any, r: Reflection) -> None:
     panel.set_xlim(g.time[0], g.time[-1])
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
-    bar = _round(0.4 * gap)
-    left = g.time[0] + 0.012 * (g.time[-1] - g.time[0])
-    panel.plot([left, left], [-0.5 * bar, 0.5 * bar], color=INK, lw=2.0, solid_capstyle="butt")
-    panel.annotate(f"{1e3 * bar:g} mm", (left, 0.5 * bar), (3, 3), textcoords="offset points", fontsize=7.5)
     panel.set_xlabel("t [s]")
     headings(
         panel,
-        "Surface at the gauges",
+        f"Surface at the gauges, lines {1e3 * gap:.2g} mm apart",
         f"shaded: {r.window.periods} periods, {r.window.start:.4g} to {r.window.end:.4g} s",
     )
 
@@ -101,6 +97,7 @@ def _harmonics(panel: Any, r: Reflection) -> None:
             at = part.order + 0.17 * (place - 0.5 * (len(shown) - 1))
             panel.bar(at, height, 0.15, color=colour, alpha=alpha)
             panel.annotate(f"{height:.2g}", (at, height), (0, 2), textcoords="offset points", ha="center", fontsize=7)
+    panel.set_ylim(0, 1.15 * panel.get_ylim()[1])
     panel.set_xticks([part.order for part in r.harmonics])
     panel.set_xlabel("harmonic")
     panel.set_ylabel("[mm]")
@@ -123,9 +120,3 @@ def _spectrum(panel: Any, r: Reflection) -> None:
     panel.set_xlabel("f [Hz]")
     panel.set_ylabel(r"[mm$^2$/Hz]")
     headings(panel, f"Spectrum taken apart, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")
-
-
-def _round(value: float) -> float:
-    """1, 2 or 5 times a power of ten, not above value."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(power * max(m for m in (1, 2, 5) if m * power <= value * 1.000001))

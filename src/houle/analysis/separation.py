@@ -22,30 +22,34 @@ from houle.analysis.linear import GRAVITY, wave_number
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 LEAST = float(np.sin(2 * np.pi * 0.05))  # Goda & Suzuki use two gauges for 0.05 < spacing / L < 0.45
+APART = 0.03  # least singular value over the largest: noise in an amplitude is at most some 30 times that at a gauge
 
 
-def weights(k: float, x: ArrayLike) -> Real:
+def weights(k: ArrayLike, x: ArrayLike) -> Real:
     """Zelt & Skjelbreia: W_p = sum over q of sin^2(D) / (1 + (D / pi)^2), D = k (x_p - x_q). All 0 at singular
     spacings.
+
+    k [rad/m] of any shape, x (G,) [m]; returns k.shape + (G,).
     """
     places = np.asarray(x, dtype=float)
-    d = k * (places[:, None] - places[None, :])
-    return np.sum(np.sin(d) ** 2 / (1.0 + (d / np.pi) ** 2), axis=1)
+    d = np.multiply.outer(np.asarray(k, dtype=float), places[:, None] - places[None, :])
+    return np.sum(np.sin(d) ** 2 / (1.0 + (d / np.pi) ** 2), axis=-1)
 
 
-def spread(k: float, x: ArrayLike) -> float:
+def spread(k: ArrayLike, x: ArrayLike) -> Real:
     """How well the places tell the two waves apart: 0 not at all (all half wavelengths apart), 1 as well as can be.
 
-    sqrt(1 - |mean of exp(2 i k x)|^2); for two gauges |sin(k (x2 - x1))|.
+    sqrt(1 - |mean of exp(2 i k x)|^2), of the shape of k; for two gauges |sin(k (x2 - x1))|.
     """
-    places = np.asarray(x, dtype=float)
-    mean = abs(complex(np.mean(np.exp(2j * k * places))))
-    return float(np.sqrt(max(0.0, 1.0 - mean**2)))
+    mean = np.abs(
+        np.mean(np.exp(2j * np.multiply.outer(np.asarray(k, dtype=float), np.asarray(x, dtype=float))), axis=-1)
+    )
+    return np.sqrt(np.maximum(0.0, 1.0 - mean**2))
 
 
 def require_spread(k: float, x: ArrayLike, least: float = LEAST) -> None:
     """Raises AnalysisError where the places (nearly) coincide in phase."""
-    places, found = np.asarray(x, dtype=float), spread(k, x)
+    places, found = np.asarray(x, dtype=float), float(spread(k, x))
     if found < least:
         length = 2 * np.pi / k
         gaps = ", ".join(f"{g / length:.3f}" for g in np.diff(np.sort(places)))
@@ -90,13 +94,13 @@ def least_squares(F: ArrayLike, x: ArrayLike, k: float, weight: Real) -> tuple[c
     return complex(incident), complex(reflected)
 
 
-def operator(k: float, x: Real, weight: Real) -> Complex:
-    """(2, G): what F is multiplied with to give Z_I and Z_R."""
-    wave = np.exp(1j * k * x)
-    s0, s2 = weight.sum(), np.sum(weight * wave**2)
-    determinant = s0**2 - abs(s2) ** 2
+def operator(k: ArrayLike, x: ArrayLike, weight: Real) -> Complex:
+    """k.shape + (2, G): what F (G,) is multiplied with to give Z_I and Z_R. weight: k.shape + (G,)."""
+    wave = np.exp(1j * np.multiply.outer(np.asarray(k, dtype=float), np.asarray(x, dtype=float)))
+    s0, s2 = weight.sum(axis=-1)[..., None], np.sum(weight * wave**2, axis=-1)[..., None]
     forward, back = weight / wave, weight * wave
-    return np.array([s0 * forward - np.conj(s2) * back, s0 * back - s2 * forward]) / determinant
+    rows = np.stack([s0 * forward - np.conj(s2) * back, s0 * back - s2 * forward], axis=-2)
+    return rows / (s0**2 - np.abs(s2) ** 2)[..., None]
 
 
 METHODS = {"goda-suzuki": goda_suzuki, "mansard-funke": mansard_funke, "zelt-skjelbreia": zelt_skjelbreia}
@@ -113,6 +117,7 @@ class Components:
     wave).
 
     `residual` is the part of the rms amplitude that they do not explain; NaN when there is no gauge to spare.
+    `resolved`: False when the gauges cannot tell these parts from each other; then the least that explain the signal.
     """
 
     order: int
@@ -121,6 +126,7 @@ class Components:
     free_incident: complex
     free_reflected: complex
     residual: float
+    resolved: bool
 
 
 def separate_xt(
@@ -145,13 +151,13 @@ def separate_xt(
             free = float(wave_number(m * omega, depth, gravity))
             numbers += [free, -free]
         waves = np.exp(1j * np.outer(places - middle, numbers))
-        z = np.linalg.lstsq(waves, amplitudes[:, m], rcond=1e-3)[0]
+        z, _, rank, _ = np.linalg.lstsq(waves, amplitudes[:, m], rcond=APART)
         rest, size = np.linalg.norm(amplitudes[:, m] - waves @ z), np.linalg.norm(amplitudes[:, m])
         spare = len(places) > len(numbers) and size > 0
         z = np.append(z * np.exp(-1j * np.array(numbers) * middle), np.zeros(4 - len(numbers)))
         incident, reflected, free_in, free_back = (complex(value) for value in z)
         unexplained = float(rest / size) if spare else float("nan")
-        found.append(Components(m, incident, reflected, free_in, free_back, unexplained))
+        found.append(Components(m, incident, reflected, free_in, free_back, unexplained, bool(rank == len(numbers))))
     return found
 
 
