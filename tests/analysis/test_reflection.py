@@ -63,6 +63,12 @@ def test_regular_waves_to_rounding(gauges, method):
     assert np.isnan(found.C_T) and np.isnan(found.C_D)
 
 
+def test_a_level_that_drifts_is_not_a_wave():
+    eta = signal() + 1e-3 * TIME + np.array([[0.1], [0.2], [0.0], [-0.1]])
+    found = analysis.reflection((TIME, GAUGES, eta), depth=DEPTH, period=PERIOD, window=(3, 17))
+    assert pytest.approx(0.25, abs=EXACT) == found.C_R
+
+
 def test_the_period_is_found():
     eta = signal(parts=[(1, "bound", Z_I, Z_R), (2, "bound", 0.003, 0.001j)])
     found = analysis.reflection((TIME, GAUGES, eta), depth=DEPTH, window=(2, 18))

@@ -301,11 +301,13 @@ class Estimate:
 
 
 def coefficients(energy: NDArray[Any]) -> NDArray[Any]:
-    """C_R, C_T, C_D (3,) of the energies incident, reflected and, if it was measured, transmitted."""
-    if not energy[0] > 0:
-        return np.full(3, np.nan)
-    reflected, through = energy[1] / energy[0], (energy[2] if len(energy) > 2 else np.nan) / energy[0]
-    return np.array([np.sqrt(reflected), np.sqrt(through), 1.0 - reflected - through])
+    """C_R, C_T, C_D (..., 3) of the energies (..., 2 or 3): incident, reflected and, if it was measured,
+    transmitted.
+    """
+    whole = np.where(energy[..., 0] > 0, energy[..., 0], np.nan)
+    reflected = energy[..., 1] / whole
+    through = energy[..., 2] / whole if energy.shape[-1] > 2 else np.full_like(whole, np.nan)
+    return np.stack([np.sqrt(reflected), np.sqrt(through), 1.0 - reflected - through], axis=-1)
 
 
 def estimate(of: Callable[[list[int], str], Pieces], x: NDArray[Any], k: float, task: Task) -> Estimate:

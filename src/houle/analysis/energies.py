@@ -8,7 +8,7 @@ gauges when two waves are fitted to them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from houle.analysis.errors import AnalysisError
 from houle.analysis.linear import wave_number
 from houle.analysis.records import Gauges
 from houle.analysis.separation import LEAST, operator, require_spread, spread, weights
-from houle.analysis.waves import harmonics
+from houle.analysis.waves import basis, harmonics
 
 Real = NDArray[Any]
 Complex = NDArray[Any]
@@ -26,7 +26,7 @@ Complex = NDArray[Any]
 
 @dataclass(frozen=True)
 class Pieces:
-    """values (n, 2 or 3): incident, reflected, transmitted; energy(values) -> (2 or 3,) [m2]; what they are, in a
+    """values (n, 2 or 3): incident, reflected, transmitted; energy((..., n, c)) -> (..., c) [m2]; what they are, in a
     word.
     """
 
@@ -36,11 +36,18 @@ class Pieces:
 
 
 def per_period(g: Gauges, omega: float, start: float, periods: int, number: int = 3) -> Complex:
-    """Amplitudes F (periods, G, M + 1) of each period by itself, phases as from t = 0."""
+    """Amplitudes F (periods, G, M + 1) of each period by itself, phases as from t = 0.
+
+    A steady drift of the mean level would pass for a small wave in every period: it is taken out first.
+    """
     length = 2 * np.pi / omega
     most = int((length / g.step - 1) / 2)
     if most < 1:
         raise AnalysisError(f"{length / g.step:.1f} samples in a period of {length:.3g} s: 3 are needed, 20 are good")
+    whole = g.between(start, start + periods * length)
+    columns = np.column_stack([basis(whole.time, omega, min(number, most)), whole.time - whole.time.mean()])
+    drift = np.linalg.lstsq(columns, whole.eta.T, rcond=None)[0][-1]
+    g = replace(g, eta=g.eta - drift[:, None] * (g.time - whole.time.mean()))
     parts = [g.between(start + j * length, start + (j + 1) * length) for j in range(periods)]
     return np.array([harmonics(p.time, p.eta, omega, min(number, most)) for p in parts])
 
@@ -58,8 +65,8 @@ def regular(front: Complex, x: Real, k: float, method: str, behind: tuple[Comple
 
 def _of_the_mean(z: Complex) -> Real:
     """|mean|^2 less the variance of the mean: without bias when the periods are independent."""
-    n, mean = len(z), z.mean(axis=0)
-    variance = np.sum(np.abs(z - mean) ** 2, axis=0) / (n * max(1, n - 1))
+    n, mean = z.shape[-2], z.mean(axis=-2)
+    variance = np.sum(np.abs(z - mean[..., None, :]) ** 2, axis=-2) / (n * max(1, n - 1))
     return np.maximum(0.0, np.abs(mean) ** 2 - variance)
 
 
@@ -156,4 +163,4 @@ def irregular(front: Lines, behind: Real | None = None) -> Pieces:
 
 
 def _of_the_sum(values: Real) -> Real:
-    return np.maximum(0.0, values.sum(axis=0))
+    return np.maximum(0.0, values.sum(axis=-2))

@@ -22,6 +22,7 @@ from houle.analysis.energies import per_period
 from houle.analysis.errors import AnalysisError
 from houle.analysis.linear import GRAVITY, wave_number
 from houle.analysis.records import Gauges, as_gauges
+from houle.analysis.waves import harmonics
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ def quality_card(
     near = g.x.min()
     incident, reflected = abs(Z[0] * np.exp(1j * kappa * near)), abs(Z[1] * np.exp(-1j * kappa * g.x.max()))
     length = 2 * np.pi / kappa.real
-    level = F[:, :, 0].real.mean(axis=1)  # of each period
+    level = _levels(g, period, periods)
     rest_level = _still_water(float(level.mean()), depth) if still_water is None else still_water
     slope = np.polyfit(np.arange(periods), level, 1)[0]
     sizes = np.abs(F[:, :, 1]).mean(axis=1)
@@ -117,6 +118,13 @@ def quality_card(
         periods=periods,
         steadiness=float(sizes.std(ddof=1) / sizes.mean()),
     )
+
+
+def _levels(g: Gauges, period: float, periods: int) -> NDArray[Any]:
+    """Mean level of all gauges in each period [m]."""
+    omega, start, mean = 2 * np.pi / period, float(g.time[0]), g.eta.mean(axis=0)
+    parts = [(g.time >= start + j * period) & (g.time < start + (j + 1) * period) for j in range(periods)]
+    return np.array([harmonics(g.time[p], mean[p], omega)[0].real for p in parts])
 
 
 def decaying_waves(x: NDArray[Any], F: NDArray[Any], k: float) -> tuple[complex, NDArray[Any], float]:

@@ -22,8 +22,8 @@ MOST_SUBSETS = 60
 def bootstrap(statistic: Callable[[NDArray], Real], pieces: NDArray, seed: int, repeats: int = REPEATS) -> Real:
     """Standard error (c,) of statistic(pieces), pieces (n, ...) in their order; NaN when n < 2.
 
-    Blocks of neighbours are drawn with replacement; the error is scaled by sqrt(n / (n - 1)), the share that drawing
-    from the sample itself loses.
+    statistic takes (..., n, m) and gives (..., c). Blocks of neighbours are drawn with replacement; the error is
+    scaled by sqrt(n / (n - 1)), the share that drawing from the sample itself loses.
     """
     n = len(pieces)
     if n < 2:
@@ -32,8 +32,7 @@ def bootstrap(statistic: Callable[[NDArray], Real], pieces: NDArray, seed: int, 
     block = max(1, round(n ** (1 / 3)))
     starts = random.integers(0, n, (repeats, -(-n // block)))
     rows = ((starts[:, :, None] + np.arange(block)) % n).reshape(repeats, -1)[:, :n]
-    drawn = np.array([statistic(pieces[row]) for row in rows])
-    return np.std(drawn, axis=0) * np.sqrt(n / (n - 1))
+    return np.std(statistic(pieces[rows]), axis=0) * np.sqrt(n / (n - 1))
 
 
 def subsets(x: Real, k: float, seed: int) -> list[tuple[int, ...]]:

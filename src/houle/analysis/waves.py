@@ -25,11 +25,12 @@ def harmonics(time: ArrayLike, eta: ArrayLike, omega: float, number: int = 1) ->
     """
     t, rows = np.asarray(time, dtype=float), np.asarray(eta, dtype=float)
     return _complex(
-        np.linalg.lstsq(_basis(t, omega, number), rows.reshape(-1, len(t)).T, rcond=None)[0], number
+        np.linalg.lstsq(basis(t, omega, number), rows.reshape(-1, len(t)).T, rcond=None)[0], number
     ).reshape(*rows.shape[:-1], number + 1)
 
 
-def _basis(t: Real, omega: float, number: int) -> Real:
+def basis(t: Real, omega: float, number: int) -> Real:
+    """Columns 1, cos(m omega t), sin(m omega t), m = 1 to number: (T, 1 + 2 number). Raises AnalysisError."""
     turns = omega * (t[-1] - t[0]) * len(t) / (len(t) - 1) / (2 * np.pi)
     if turns < 0.9 or len(t) < (2 * number + 1) * max(1.0, turns):
         raise AnalysisError(
@@ -67,13 +68,13 @@ def find_omega(time: ArrayLike, eta: ArrayLike, number: int = 3) -> float:
     number = max(1, min(number, int(np.pi / step / omega)))
     m = np.arange(1, number + 1)
     for _ in range(40):
-        basis = _basis(t, omega, number)
-        solution = np.linalg.lstsq(basis, rows.T, rcond=None)[0]
+        columns = basis(t, omega, number)
+        solution = np.linalg.lstsq(columns, rows.T, rcond=None)[0]
         c, s = solution[1 : number + 1], solution[number + 1 :]
-        cos, sin = basis[:, 1 : number + 1], basis[:, number + 1 :]
+        cos, sin = columns[:, 1 : number + 1], columns[:, number + 1 :]
         slope = t[:, None] * (cos @ (m[:, None] * s) - sin @ (m[:, None] * c))  # d(model)/d(omega)
-        slope = slope - basis @ np.linalg.lstsq(basis, slope, rcond=None)[0]
-        change = float(np.sum(slope * (rows.T - basis @ solution)) / np.sum(slope**2))
+        slope = slope - columns @ np.linalg.lstsq(columns, slope, rcond=None)[0]
+        change = float(np.sum(slope * (rows.T - columns @ solution)) / np.sum(slope**2))
         omega += float(np.clip(change, -0.5 / span, 0.5 / span))
         if abs(change) < 1e-13 * omega:
             break
