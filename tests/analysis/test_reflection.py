@@ -215,10 +215,10 @@ def test_irregular_waves_on_fourier_lines_to_rounding():
 
 
 def test_irregular_waves_without_bias():
-    """16 seas of 120 peak periods with 5 % noise, C_R = 0.4, C_T = 0.6: mean within 0.003, intervals hold."""
+    """12 seas of 120 peak periods with 5 % noise, C_R = 0.4, C_T = 0.6: mean within 0.003, intervals hold."""
     time, x = np.arange(0.0, 180.0, 0.06), np.append(GAUGES, 7.0)
     values, inside = [], 0
-    for seed in range(16):
+    for seed in range(12):
         front = flumes.irregular(GAUGES, time, 1.5, 0.4, np.random.default_rng(seed))
         behind = flumes.irregular([7.0], time, 1.5, 0.0, np.random.default_rng(seed), transmit=0.6)
         eta = np.vstack([front, behind])
@@ -229,10 +229,10 @@ def test_irregular_waves_without_bias():
         values.append([found.C_R, found.C_T])
         inside += found.interval_R[0] < 0.4 < found.interval_R[1]
         assert pytest.approx(0.05, rel=0.12) == found.H_I
-    mean, error = np.mean(values, axis=0), np.std(values, axis=0) / 4
+    mean, error = np.mean(values, axis=0), np.std(values, axis=0) / np.sqrt(12)
     assert abs(mean[0] - 0.4) < 0.003
     assert abs(mean[1] - 0.6) < max(0.01, 3 * error[1])
-    assert inside >= 14
+    assert inside >= 10
 
 
 def test_irregular_lines_that_cannot_be_told_apart_are_left_out():
@@ -261,10 +261,17 @@ def test_sources(tmp_path):
     text = "# flume 3\n# x [m]: 0, 0.31, 0.55, 0.9\nt [s];W1 [mm];W2 [mm];W3 [mm];W4 [mm]\n"
     table.write_text(text + "\n".join(";".join(repr(float(v)).replace(".", ",") for v in row) for row in rows))
     given = {"depth": DEPTH, "period": PERIOD, "window": (2, 18)}
-    for source in (series, surface, run, table, analysis.read_csv(table)):
+    series.to_netcdf(tmp_path / "series.nc", engine="h5netcdf")
+    for source in (series, surface, run, table, analysis.read_csv(table), tmp_path, tmp_path / "series.nc"):
         found = analysis.reflection(source, **given)
         assert pytest.approx(0.25, abs=EXACT) == found.C_R
     assert pytest.approx(0.25, abs=EXACT) == analysis.reflection(series, gauges=["W1", "W3"], **given).C_R
+
+
+def test_files_that_are_not_there(tmp_path):
+    for name, words in (("lab.csv", "cannot be read"), ("series.nc", "series.nc"), ("", "series.nc")):
+        with pytest.raises(AnalysisError, match=words):
+            analysis.reflection(tmp_path / name, depth=DEPTH, period=PERIOD, window=(2, 18))
 
 
 def test_tables_without_places_or_numbers(tmp_path):

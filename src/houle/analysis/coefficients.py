@@ -115,7 +115,8 @@ def reflection(
 ) -> Reflection:
     """Reflection, transmission and dissipation from gauges in front of a structure (and behind it), with intervals.
 
-    source       a houle Run, a Dataset like series.nc or surface.nc, (time, x, eta), or the path of a CSV (read_csv)
+    source       a houle Run, a Dataset like series.nc or surface.nc, (time, x, eta), or a path: folder of a run,
+                 netCDF file, CSV
     depth        of still water at the gauges [m]        period    T, or T_p [s]; found in the record if None
     kind         "regular": first harmonic over whole periods; "irregular": Fourier lines of 0.5 to 2 f_p
     method       "zelt-skjelbreia" (2 gauges or more), "mansard-funke" (3), "goda-suzuki" (2), "jh2020" (the paper's

@@ -5,42 +5,81 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import matplotlib
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from houle.output.drawing import FAINT, GREY, INK, LABORATORY, SHADE, WATER, headings, sheet, style
+from houle.output.atomic import replacing
 
 if TYPE_CHECKING:
     from houle.analysis.coefficients import Reflection
 
+INK, GREY, FAINT, SHADE = "#22303c", "#7d8a96", "#dfe4e8", "#dceaf4"
+INCIDENT, REFLECTED = "#1f5f8b", "#c44e17"
+STYLE: dict[str, Any] = {
+    "font.family": ["DejaVu Sans"],
+    "font.size": 8.5,
+    "text.color": INK,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+}
+SIZE, GAP, LEFT, RIGHT, TOP, BOTTOM = (6.4, 1.75), 0.75, 0.78, 0.9, 0.95, 0.72  # inches: of a panel, and around them
 MOST_GAUGES = 6  # drawn; evenly chosen when there are more
 
 
 def draw(r: Reflection, path: Path) -> Path:
     """Signals with the window shaded; the envelope along the flume (regular waves); harmonics, or the spectrum."""
-    with style():
-        panels = 3 if r.amplitudes is not None else 2
-        numbers = "  ·  ".join(
-            f"${name[0]}_{name[2]}$ = {value:.3f} ({span[0]:.3f} to {span[1]:.3f})"
-            for name, value, span in (
-                ("C_R", r.C_R, r.interval_R),
-                ("C_T", r.C_T, r.interval_T),
-                ("C_D", r.C_D, r.interval_D),
-            )
-            if np.isfinite(value)
-        )
-        wave = f"{r.kind} waves, {'T' if r.kind == 'regular' else '$T_p$'} = {r.period:.4g} s, {r.method}"
-        page = sheet(panels, 1, (6.4, 1.75), numbers, wave, gap=(0, 0.75), margins=(0.78, 0.9, 0.72, 0.95))
-        _signals(page.panels[0], r)
+    with matplotlib.rc_context(STYLE):  # type: ignore[arg-type]
+        figure, panels = _sheet(r, 3 if r.amplitudes is not None else 2)
+        _signals(panels[0], r)
         if r.amplitudes is not None:
-            _envelope(page.panels[1], r)
+            _envelope(panels[1], r)
         if r.lines is not None:
-            _spectrum(page.panels[-1], r)
+            _spectrum(panels[-1], r)
         elif r.harmonics:
-            _harmonics(page.panels[-1], r)
-        colours = {"incident": WATER, "reflected": LABORATORY}
-        page.legend([Line2D([], [], color=c, lw=2.5, label=name) for name, c in colours.items()])
-        return page.save(path)
+            _harmonics(panels[-1], r)
+        with replacing(path) as temporary:
+            FigureCanvasAgg(figure).print_figure(temporary, format="png", dpi=150)
+    return path
+
+
+def _sheet(r: Reflection, count: int) -> tuple[Figure, list[Any]]:
+    """Panels one under another, the coefficients as the title, the colours at the foot."""
+    width, height = LEFT + SIZE[0] + RIGHT, TOP + count * SIZE[1] + (count - 1) * GAP + BOTTOM
+    figure = Figure(figsize=(width, height))
+    panels = []
+    for i in range(count):
+        y = height - TOP - (i + 1) * SIZE[1] - i * GAP
+        panels.append(figure.add_axes((LEFT / width, y / height, SIZE[0] / width, SIZE[1] / height)))
+    wave = f"{r.kind} waves, {'T' if r.kind == 'regular' else '$T_p$'} = {r.period:.4g} s, {r.method}"
+    figure.text(LEFT / width, 1 - 0.26 / height, _numbers(r), fontsize=10, weight="bold", va="center")
+    figure.text(LEFT / width, 1 - 0.49 / height, wave, fontsize=8.5, color=GREY, va="center")
+    colours = {"incident": INCIDENT, "reflected": REFLECTED}
+    keys = [Line2D([], [], color=c, lw=2.5, label=name) for name, c in colours.items()]
+    place = ((LEFT + SIZE[0]) / width, 0.1 / height)
+    figure.legend(handles=keys, loc="lower right", bbox_to_anchor=place, ncols=2, frameon=False, borderaxespad=0)
+    return figure, panels
+
+
+def _numbers(r: Reflection) -> str:
+    every = (("C_R", r.C_R, r.interval_R), ("C_T", r.C_T, r.interval_T), ("C_D", r.C_D, r.interval_D))
+    known = [(name, value, span) for name, value, span in every if np.isfinite(value)]
+    between = [f" ({low:.3f} to {high:.3f})" if np.isfinite(low) else "" for _, _, (low, high) in known]
+    return "   ".join(f"${name}$ = {value:.3f}{span}" for (name, value, _), span in zip(known, between, strict=True))
+
+
+def _headings(panel: Any, left: str, right: str = "") -> None:
+    panel.set_title(left, loc="left", fontsize=9, fontweight="bold", pad=4)
+    panel.set_title(right, loc="right", fontsize=8.5, color=GREY, pad=4)
 
 
 def _signals(panel: Any, r: Reflection) -> None:
@@ -60,9 +99,9 @@ def _signals(panel: Any, r: Reflection) -> None:
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
     panel.set_xlabel("t [s]")
-    headings(
+    _headings(
         panel,
-        f"Surface at the gauges, lines {1e3 * gap:.2g} mm apart",
+        f"Surface at the gauges, lines {1e3 * gap:.3g} mm apart",
         f"shaded: {r.window.periods} periods, {r.window.start:.4g} to {r.window.end:.4g} s",
     )
 
@@ -75,8 +114,8 @@ def _envelope(panel: Any, r: Reflection) -> None:
     along = np.linspace(x.min() - margin, x.max() + margin, 400)
     wave = np.exp(1j * r.wave_number * along)
     both = np.abs(first.incident * wave + first.reflected / wave)
-    panel.axhline(1e3 * abs(first.incident), color=WATER, lw=1.2)
-    panel.axhline(1e3 * abs(first.reflected), color=LABORATORY, lw=1.2)
+    panel.axhline(1e3 * abs(first.incident), color=INCIDENT, lw=1.2)
+    panel.axhline(1e3 * abs(first.reflected), color=REFLECTED, lw=1.2)
     panel.plot(r.towards * along, 1e3 * both, color=GREY, lw=1.2)
     panel.plot(r.towards * x, 1e3 * np.abs(r.amplitudes[:, 1]), "o", color=INK, ms=4.5)
     panel.set_ylim(0, None)
@@ -84,12 +123,12 @@ def _envelope(panel: Any, r: Reflection) -> None:
     panel.set_xlabel("x [m]")
     panel.set_ylabel("[mm]")
     unexplained = f"unexplained {100 * r.residual:.2g} %" if np.isfinite(r.residual) else ""
-    headings(panel, "Amplitude of the first harmonic: gauges, and the two waves together", unexplained)
+    _headings(panel, "Amplitude of the first harmonic: gauges, and the two waves together", unexplained)
 
 
 def _harmonics(panel: Any, r: Reflection) -> None:
-    sizes = [("incident", 0, WATER, 1.0), ("reflected", 1, LABORATORY, 1.0)]
-    sizes += [("free_incident", 2, WATER, 0.45), ("free_reflected", 3, LABORATORY, 0.45)]
+    sizes = [("incident", 0, INCIDENT, 1.0), ("reflected", 1, REFLECTED, 1.0)]
+    sizes += [("free_incident", 2, INCIDENT, 0.45), ("free_reflected", 3, REFLECTED, 0.45)]
     for part in r.harmonics:
         shown = sizes if part.order > 1 else sizes[:2]
         for name, place, colour, alpha in shown:
@@ -101,14 +140,14 @@ def _harmonics(panel: Any, r: Reflection) -> None:
     panel.set_xticks([part.order for part in r.harmonics])
     panel.set_xlabel("harmonic")
     panel.set_ylabel("[mm]")
-    headings(panel, "Amplitudes taken apart", "pale: free waves; dark: moving with the primary wave")
+    _headings(panel, "Amplitudes taken apart", "pale: free waves; dark: moving with the primary wave")
 
 
 def _spectrum(panel: Any, r: Reflection) -> None:
     assert r.lines is not None
-    f, width = r.lines.frequency, max(1, len(r.lines.frequency) // 60)
+    f, width = r.lines.frequency, max(1, len(r.lines.frequency) // 30)
     kernel = np.ones(width) / width
-    for density, colour in ((r.lines.incident, WATER), (r.lines.reflected, LABORATORY)):
+    for density, colour in ((r.lines.incident, INCIDENT), (r.lines.reflected, REFLECTED)):
         panel.plot(f, 1e6 * density, color=colour, lw=0.4, alpha=0.35)
         panel.plot(f, 1e6 * np.convolve(density, kernel, "same"), color=colour, lw=1.4)
     top = 1e6 * float(np.convolve(r.lines.incident, kernel, "same").max())
@@ -119,4 +158,4 @@ def _spectrum(panel: Any, r: Reflection) -> None:
     panel.set_ylim(0, 1.5 * top)
     panel.set_xlabel("f [Hz]")
     panel.set_ylabel(r"[mm$^2$/Hz]")
-    headings(panel, f"Spectrum taken apart, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")
+    _headings(panel, f"Spectrum taken apart, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")

@@ -83,8 +83,8 @@ def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] |
 def as_gauges(
     source: Any, chosen: Sequence[str | int] | None = None, window: tuple[float, float] | None = None
 ) -> Gauges:
-    """Gauges from a Gauges, a houle Run, an xarray Dataset like series.nc, a tuple (time, x, eta), or the path of a
-    CSV.
+    """Gauges from a Gauges, a houle Run, an xarray Dataset like series.nc, a tuple (time, x, eta), or a path
+    (see read).
 
     Only the chosen gauges and the samples in the window need to be wet. surface.nc, eta(time, x), works too: every
     column of cells is a gauge (2D). Raises AnalysisError.
@@ -107,7 +107,7 @@ def _raw(source: Any) -> Gauges:
         time, x, eta = (np.asarray(part, dtype=float) for part in source)
         names: Sequence[str] = [f"x={p:g}" for p in np.atleast_1d(x)]
     else:
-        data = read_csv(source) if isinstance(source, str | os.PathLike) else getattr(source, "series", source)
+        data = read(source) if isinstance(source, str | os.PathLike) else getattr(source, "series", source)
         time, x, eta, names = _of_dataset(data)
     rows = np.atleast_2d(eta)
     if rows.shape != (np.size(x), np.size(time)):
@@ -127,6 +127,19 @@ def _of_dataset(data: xarray.Dataset) -> tuple[Real, Real, Real, list[str]]:
     x = data["gauge_x"] if place == "gauge" else data["x"]
     names = [str(n) for n in data["gauge"].values] if place == "gauge" else [f"x={p:g}" for p in x.values]
     return data["time"].values.astype(float), x.values.astype(float), eta.transpose(place, "time").values, names
+
+
+def read(path: str | os.PathLike[str]) -> xarray.Dataset:
+    """eta(gauge, time) of the folder of a run, of a netCDF file, or of a laboratory's table. Raises AnalysisError."""
+    import xarray
+
+    place = Path(path) / "series.nc" if Path(path).is_dir() else Path(path)
+    if place.suffix not in (".nc", ".nc4"):
+        return read_csv(place)
+    try:
+        return xarray.load_dataset(place, engine="h5netcdf", decode_times=False)
+    except (OSError, ValueError, KeyError) as error:
+        raise AnalysisError(f"{place} cannot be read: {error}") from None
 
 
 def read_csv(path: str | os.PathLike[str], positions: Sequence[float] | None = None) -> xarray.Dataset:

@@ -66,7 +66,7 @@ def run_up(time: ArrayLike, level: ArrayLike, *, waves: int | None = None, thres
         raise AnalysisError("run-up: time and level must be two rows of numbers of one length, without gaps")
     above = z - z.mean()
     up = np.flatnonzero((above[:-1] < 0) & (above[1:] >= 0)) + 1
-    ends = np.append(up[1:], len(z))
+    ends = np.append(up, len(z))[1:]
     tops = [int(a + np.argmax(z[a:b])) for a, b in zip(up, ends, strict=True)]
     tops = [i for i in tops if above[i] >= threshold and i < len(z) - 1]  # the last may still be rising
     if not tops:
