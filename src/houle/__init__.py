@@ -35,6 +35,7 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
+    value: Any
     if name == "__version__":
         value = _version()
     elif name == "analysis":

@@ -117,25 +117,29 @@ def _envelope(panel: Any, r: Reflection) -> None:
     panel.axhline(1e3 * abs(first.incident), color=INCIDENT, lw=1.2)
     panel.axhline(1e3 * abs(first.reflected), color=REFLECTED, lw=1.2)
     panel.plot(r.towards * along, 1e3 * both, color=GREY, lw=1.2)
-    panel.plot(r.towards * x, 1e3 * np.abs(r.amplitudes[:, 1]), "o", color=INK, ms=4.5)
+    panel.plot(r.towards * x, 1e3 * np.abs(r.amplitudes[:, 1]), "o", color=INK, ms=4.5 if len(x) < 30 else 1.5)
     panel.set_ylim(0, None)
     panel.set_xlim(*sorted(r.towards * along[[0, -1]]))
     panel.set_xlabel("x [m]")
     panel.set_ylabel("[mm]")
-    unexplained = f"unexplained {100 * r.residual:.2g} %" if np.isfinite(r.residual) else ""
-    _headings(panel, "Amplitude of the first harmonic: gauges, and the two waves together", unexplained)
+    unexplained = f"unexplained {100 * r.residual:.2f} %" if np.isfinite(r.residual) else ""
+    _headings(panel, "First harmonic: at the gauges, and the two waves together", unexplained)
 
 
 def _harmonics(panel: Any, r: Reflection) -> None:
     sizes = [("incident", 0, INCIDENT, 1.0), ("reflected", 1, REFLECTED, 1.0)]
     sizes += [("free_incident", 2, INCIDENT, 0.45), ("free_reflected", 3, REFLECTED, 0.45)]
+    largest = 1e3 * abs(r.harmonics[0].incident)
     for part in r.harmonics:
         shown = sizes if part.order > 1 else sizes[:2]
         for name, place, colour, alpha in shown:
             height = 1e3 * abs(getattr(part, name))
             at = part.order + 0.17 * (place - 0.5 * (len(shown) - 1))
             panel.bar(at, height, 0.15, color=colour, alpha=alpha)
-            panel.annotate(f"{height:.2g}", (at, height), (0, 2), textcoords="offset points", ha="center", fontsize=7)
+            if height > 1e-3 * largest:
+                panel.annotate(
+                    f"{height:.2g}", (at, height), (0, 2), textcoords="offset points", ha="center", fontsize=7
+                )
     panel.set_ylim(0, 1.15 * panel.get_ylim()[1])
     panel.set_xticks([part.order for part in r.harmonics])
     panel.set_xlabel("harmonic")

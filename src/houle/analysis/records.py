@@ -60,7 +60,7 @@ def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] |
     """Checks arrays: time (T,), x (G,), eta (G, T), or (T,) for one gauge. Raises AnalysisError."""
     t, places = np.asarray(time, dtype=float), np.atleast_1d(np.asarray(x, dtype=float))
     rows = np.atleast_2d(np.asarray(eta, dtype=float))
-    labels = tuple(f"x={p:g}" for p in places) if names is None else tuple(str(n) for n in names)
+    labels = tuple(f"x={p:.4g}" for p in places) if names is None else tuple(str(n) for n in names)
     if t.ndim != 1 or len(t) < 3 or rows.shape != (len(places), len(t)) or len(labels) != len(places):
         raise AnalysisError(
             f"eta has shape {rows.shape}, time {t.shape}, x {places.shape}, {len(labels)} names: eta must be "
@@ -105,7 +105,7 @@ def _raw(source: Any) -> Gauges:
         return source
     if isinstance(source, tuple):
         time, x, eta = (np.asarray(part, dtype=float) for part in source)
-        names: Sequence[str] = [f"x={p:g}" for p in np.atleast_1d(x)]
+        names: Sequence[str] = [f"x={p:.4g}" for p in np.atleast_1d(x)]
     else:
         data = read(source) if isinstance(source, str | os.PathLike) else getattr(source, "series", source)
         time, x, eta, names = _of_dataset(data)
@@ -125,7 +125,7 @@ def _of_dataset(data: xarray.Dataset) -> tuple[Real, Real, Real, list[str]]:
     if set(eta.dims) != {place, "time"}:
         raise AnalysisError(f"eta has the dimensions {eta.dims}: (gauge, time) or (time, x) can be used")
     x = data["gauge_x"] if place == "gauge" else data["x"]
-    names = [str(n) for n in data["gauge"].values] if place == "gauge" else [f"x={p:g}" for p in x.values]
+    names = [str(n) for n in data["gauge"].values] if place == "gauge" else [f"x={p:.4g}" for p in x.values]
     return data["time"].values.astype(float), x.values.astype(float), eta.transpose(place, "time").values, names
 
 
