@@ -15,7 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from houle.analysis.coefficients import Reflection, reflection
+    from houle.analysis.coefficients import reflection
     from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
     from houle.analysis.errors import AnalysisError
     from houle.analysis.linear import celerity, group_velocity, wave_number
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from houle.analysis.paper import Jh2020, jh2020
     from houle.analysis.quality import QualityCard, quality_card
     from houle.analysis.records import Gauges, as_gauges, gauges, read_csv
+    from houle.analysis.result import Reflection
     from houle.analysis.runup import RunUp, run_up
     from houle.analysis.separation import (
         Components,

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from houle.output.atomic import replacing
 
 if TYPE_CHECKING:
-    from houle.analysis.coefficients import Reflection
+    from houle.analysis.result import Reflection
 
 INK, GREY, FAINT, SHADE = "#22303c", "#7d8a96", "#dfe4e8", "#dceaf4"
 INCIDENT, REFLECTED = "#1f5f8b", "#c44e17"
