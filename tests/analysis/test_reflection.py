@@ -147,6 +147,28 @@ def test_no_bias_with_noise_and_an_interval_that_holds():
         assert inside >= 0.93 * 120
 
 
+def test_the_energy_of_noise_is_taken_off_a_small_regular_wave():
+    """Five periods of a wave of 0.05, each off by 0.03: without the correction |mean|^2 is 7 % too large."""
+    x, k, rng = GAUGES[:2], amplitudes(GAUGES)[1], np.random.default_rng(5)
+    pieces = energies.regular(np.ones((5, 2), complex), x, k, "goda-suzuki")
+    off = 0.03 * (rng.standard_normal((20000, 5, 1)) + 1j * rng.standard_normal((20000, 5, 1))) / np.sqrt(2)
+    energy = pieces.energy(0.05 + off)
+    assert energy.mean() == pytest.approx(0.05**2, rel=0.01)
+    assert np.mean(np.abs((0.05 + off).mean(axis=1)) ** 2) > 1.06 * 0.05**2
+
+
+def test_the_energy_of_noise_is_taken_off_a_small_irregular_wave():
+    """Noise of 30 % and C_R = 0.1: C_R^2 is 0.01; the noise alone would add half of that."""
+    time, found = np.arange(0.0, 300.0, 0.05), []
+    for seed in range(6):
+        eta = flumes.irregular(GAUGES, time, 1.5, 0.1, np.random.default_rng(seed), on_lines=True)
+        eta = eta + 0.3 * eta.std() * np.random.default_rng(50 + seed).standard_normal(eta.shape)
+        records = analysis.gauges(time, GAUGES, eta)
+        sea = energies.lines(records, DEPTH, (0.54 / 1.5, 1.9 / 1.5), "zelt-skjelbreia", 9.81, 0.0)
+        found.append(sea.reflected.sum() / sea.incident.sum())
+    assert np.mean(found) == pytest.approx(0.01, abs=0.0015)
+
+
 def test_the_interval_grows_when_the_wave_number_is_wrong():
     eta = signal()
     given = {"depth": DEPTH, "period": PERIOD, "window": (2, 18)}
