@@ -114,8 +114,7 @@ def lines(g: Gauges, depth: float, band: tuple[float, float], method: str, gravi
     if lost > 0.5:
         raise AnalysisError(
             f"the gauges cannot tell incident from reflected waves for {100 * lost:.0f} % of the energy between "
-            f"{band[0]:.3g} "
-            f"and {band[1]:.3g} Hz: their spacings are near multiples of half the wavelengths there"
+            f"{band[0]:.3g} and {band[1]:.3g} Hz: their spacings are near multiples of half the wavelengths there"
         )
     return Lines(frequency, unit * energy[:, 0], unit * energy[:, 1], trust)
 

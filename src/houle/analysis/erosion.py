@@ -104,8 +104,8 @@ class Shields:
 
     def __str__(self) -> str:
         return (
-            f"Shields: largest {self.largest:.3g}, critical {self.critical:.3g}, moving {100 * self.moving:.3g} "
-            f"% of the time"
+            f"Shields: largest {self.largest:.3g}, critical {self.critical:.3g}, moving {100 * self.moving:.3g} % of "
+            "the time"
         )
 
 

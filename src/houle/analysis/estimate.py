@@ -66,8 +66,8 @@ def regular(task: Task, number: float | str | None) -> Reflection:
     notes = [] if frame.periods >= 5 else [f"{frame.periods} periods only: 5 or more make a steady state believable"]
     if number is None and parts[0].residual > RESIDUAL:
         notes.append(
-            f"{100 * parts[0].residual:.0f} % of the amplitude is not two waves of k = {k:.4g} rad/m: "
-            "try wave_number='fit' (high waves are longer), check period, depth and the places of the gauges"
+            f"{100 * parts[0].residual:.0f} % of the amplitude is not two waves of k = {k:.4g} rad/m: try "
+            "wave_number='fit' (high waves are longer), check period, depth and the places of the gauges"
         )
     if not all(part.resolved for part in parts):
         orders = ", ".join(str(part.order) for part in parts if not part.resolved)

@@ -16,12 +16,9 @@ from houle.analysis.errors import AnalysisError
 
 WARNING = (
     "eqs (18)-(20) of the paper with levels above the bed, as in its table 1: C_R is then about the local wave "
-    "height over "
-    "twice the depth, not a reflection coefficient. It changes with the datum (measured from the still water level "
-    "it is "
-    "meaningless), H_I is about twice the depth, and C_D lacks the squares of an energy balance. Use it to compare "
-    "with the "
-    "printed numbers only; separate the waves (zelt-skjelbreia) to know the reflection."
+    "height over twice the depth, not a reflection coefficient. It changes with the datum (measured from the still "
+    "water level it is meaningless), H_I is about twice the depth, and C_D lacks the squares of an energy balance. "
+    "Use it to compare with the printed numbers only; separate the waves (zelt-skjelbreia) to know the reflection."
 )
 
 

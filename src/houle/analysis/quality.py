@@ -54,10 +54,10 @@ class QualityCard:
         return "\n".join([
             f"wave quality (empty flume, {self.wavelengths:.1f} wavelengths of gauges, {self.periods} periods)",
             f"  height            {1e3 * self.height:.3g} mm, {100 * (self.height / self.target - 1):+.2f} % of the "
-            f"target",
+            "target",
             f"  decay             {100 * self.decay:.2f} % per wavelength",
             f"  celerity          {100 * self.celerity:+.2f} %, phase {np.degrees(self.phase):+.2f} degrees per "
-            f"wavelength",
+            "wavelength",
             f"  spurious C_R      {self.reflection:.4f}",
             f"  mean level        drift {1e3 * self.drift:+.3f} mm, {1e3 * self.set_down:+.3f} mm from still water",
             f"  steadiness        {100 * self.steadiness:.2f} % between periods (standard deviation of the height)",
@@ -163,8 +163,7 @@ def _enough(x: NDArray[Any], k: float) -> None:
     if len(x) < 5 or np.ptp(x) < 0.9 * length or np.diff(places).min() > 0.45 * length:
         raise AnalysisError(
             f"{len(x)} gauges over {np.ptp(x):.3g} m: 5 or more over a wavelength of {length:.3g} m or more are "
-            f"needed, "
-            "some of them less than 0.45 wavelengths apart"
+            "needed, some of them less than 0.45 wavelengths apart"
         )
 
 

@@ -64,7 +64,7 @@ def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] |
     if t.ndim != 1 or len(t) < 3 or rows.shape != (len(places), len(t)) or len(labels) != len(places):
         raise AnalysisError(
             f"eta has shape {rows.shape}, time {t.shape}, x {places.shape}, {len(labels)} names: eta must be "
-            f"(gauges, times)"
+            "(gauges, times)"
         )
     step = np.diff(t)
     if not (np.all(np.isfinite(t)) and np.all(np.abs(step - step.mean()) < 0.01 * step.mean())):
@@ -74,8 +74,8 @@ def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] |
     if not np.all(np.isfinite(rows)):
         g, i = np.argwhere(~np.isfinite(rows))[0]
         raise AnalysisError(
-            f"gauge {labels[g]} has no level at t = {t[i]:g} s (dry, or missing): leave the gauge out or shorten "
-            f"the record"
+            f"gauge {labels[g]} has no level at t = {t[i]:g} s (dry, or missing): leave the gauge out or shorten the "
+            "record"
         )
     return Gauges(t, places, rows, labels)
 

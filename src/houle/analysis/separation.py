@@ -54,8 +54,8 @@ def require_spread(k: float, x: ArrayLike, least: float = LEAST) -> None:
         length = 2 * np.pi / k
         gaps = ", ".join(f"{g / length:.3f}" for g in np.diff(np.sort(places)))
         raise AnalysisError(
-            f"the gauges stand {gaps} wavelengths apart (L = {length:.3g} m): that is too near to a multiple of half a "
-            f"wavelength to tell incident from reflected waves (spread {found:.2f} < {least:.2f}). Two gauges need "
+            f"the gauges stand {gaps} wavelengths apart (L = {length:.3g} m): that is too near to a multiple of half "
+            f"a wavelength to tell incident from reflected waves (spread {found:.2f} < {least:.2f}). Two gauges need "
             "0.05 to 0.45 L; better three at 0.1 L and 0.25 L from the first"
         )
 

@@ -34,8 +34,8 @@ def basis(t: Real, omega: float, number: int) -> Real:
     turns = omega * (t[-1] - t[0]) * len(t) / (len(t) - 1) / (2 * np.pi)
     if turns < 0.9 or len(t) < (2 * number + 1) * max(1.0, turns):
         raise AnalysisError(
-            f"{len(t)} samples over {turns:.2f} periods cannot hold {number} harmonics: a period and {2 * number + 1} "
-            "samples in each are needed"
+            f"{len(t)} samples over {turns:.2f} periods cannot hold {number} harmonics: a period and "
+            f"{2 * number + 1} samples in each are needed"
         )
     phase = omega * t[:, None] * np.arange(1, number + 1)
     return np.hstack([np.ones((len(t), 1)), np.cos(phase), np.sin(phase)])
@@ -129,8 +129,7 @@ class Waves:
     def __str__(self) -> str:
         return (
             f"{self.N} waves: H_m {self.H_m:.4g}, H_1/3 {self.H_13:.4g}, H_1/10 {self.H_110:.4g}, H_max "
-            f"{self.H_max:.4g} m; "
-            f"T_z {self.T_z:.4g}, T_1/3 {self.T_13:.4g} s"
+            f"{self.H_max:.4g} m; T_z {self.T_z:.4g}, T_1/3 {self.T_13:.4g} s"
         )
 
 

@@ -81,8 +81,7 @@ def choose_window(
         raise AnalysisError(_too_short(start, end, why, period, speed, minimum))
     reason = (
         f"the reflected wave is steady at all gauges after {start:.3g} s (group velocity {speed:.3g} m/s, {ramp:g} "
-        f"periods of "
-        f"ramp, {settle:g} to settle); {why} at {end:.3g} s"
+        f"periods of ramp, {settle:g} to settle); {why} at {end:.3g} s"
     )
     return Window(start, start + periods * period, periods, reason)
 
@@ -90,8 +89,8 @@ def choose_window(
 def _too_short(start: float, end: float, why: str, period: float, speed: float, minimum: int) -> str:
     missing = start + minimum * period - end
     fact = (
-        f"the gauges are steady at {start:.3g} s and {why} at {end:.3g} s, {minimum} periods of {period:.3g} s "
-        f"do not fit"
+        f"the gauges are steady at {start:.3g} s and {why} at {end:.3g} s, {minimum} periods of {period:.3g} s do "
+        "not fit"
     )
     if why.startswith("the record"):
         return f"the record is too short: {fact}. Run {missing:.3g} s longer, or start with a shorter ramp"
@@ -99,10 +98,9 @@ def _too_short(start: float, end: float, why: str, period: float, speed: float, 
     if why.startswith("the transmitted"):
         return (
             f"the flume is too short: {fact}. Move the far end {metres:.3g} m away, or absorb the wave there "
-            f"(far_end=None)"
+            "(far_end=None)"
         )
     return (
-        f"the flume is too short: {fact}. Put {metres:.3g} m more between maker and structure, or absorb the wave "
-        f"at the "
-        "maker (absorbing=True)"
+        f"the flume is too short: {fact}. Put {metres:.3g} m more between maker and structure, or absorb the wave at "
+        "the maker (absorbing=True)"
     )
