@@ -35,8 +35,11 @@ _HOME = {
 
 
 def __getattr__(name: str) -> Any:
+    value: Any
     if name == "__version__":
         value = _version()
+    elif name == "analysis":
+        value = import_module("houle.analysis")
     elif name in _HOME:
         value = getattr(import_module(_HOME[name]), name)
     else:

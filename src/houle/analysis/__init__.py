@@ -1,0 +1,165 @@
+"""What waves did, from gauges: of a run of ours, of another program, or of a laboratory.
+
+    from houle import analysis
+
+    found = analysis.reflection("flume.csv", depth=0.25, period=1.5, window=(20, 35))
+    print(found)                     # C_R, C_T, C_D, each with its interval
+    found.plot("reflection.png")
+
+Importing this is cheap: each name below is loaded when it is first used. No module has the name of a function.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from houle.analysis.coefficients import reflection
+    from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
+    from houle.analysis.errors import AnalysisError
+    from houle.analysis.linear import celerity, group_velocity, wave_number
+    from houle.analysis.overtopping import Overtopping, overtopping_events
+    from houle.analysis.paper import Jh2020, jh2020
+    from houle.analysis.quality import QualityCard, quality_card
+    from houle.analysis.records import Gauges, as_gauges, gauges, read_csv
+    from houle.analysis.result import Reflection
+    from houle.analysis.runup import RunUp, run_up
+    from houle.analysis.separation import (
+        Components,
+        fit_wave_number,
+        goda_suzuki,
+        mansard_funke,
+        separate_xt,
+        zelt_skjelbreia,
+    )
+    from houle.analysis.theory import Scatter, long_wave, porous_block, porous_block_lorentz
+    from houle.analysis.waves import Spectrum, Waves, find_omega, harmonics, spectrum, zero_crossing
+    from houle.analysis.window import Window, choose_window
+
+__all__ = [
+    "AnalysisError",
+    "Components",
+    "Exit",
+    "Gauges",
+    "Jh2020",
+    "Overtopping",
+    "QualityCard",
+    "Reflection",
+    "RunUp",
+    "Scatter",
+    "Shields",
+    "Spectrum",
+    "Waves",
+    "Window",
+    "as_gauges",
+    "celerity",
+    "choose_window",
+    "critical_gradient",
+    "exit_gradient",
+    "find_omega",
+    "fit_wave_number",
+    "gauges",
+    "goda_suzuki",
+    "group_velocity",
+    "harmonics",
+    "jh2020",
+    "lag",
+    "long_wave",
+    "mansard_funke",
+    "overtopping_events",
+    "porous_block",
+    "porous_block_lorentz",
+    "quality_card",
+    "read_csv",
+    "reflection",
+    "run_up",
+    "separate_xt",
+    "shields",
+    "spectrum",
+    "wave_number",
+    "zelt_skjelbreia",
+    "zero_crossing",
+]
+
+_MODULES = {
+    "coefficients": (
+        "Reflection",
+        "reflection",
+    ),
+    "erosion": (
+        "Exit",
+        "Shields",
+        "critical_gradient",
+        "exit_gradient",
+        "lag",
+        "shields",
+    ),
+    "errors": ("AnalysisError",),
+    "linear": (
+        "celerity",
+        "group_velocity",
+        "wave_number",
+    ),
+    "overtopping": (
+        "Overtopping",
+        "overtopping_events",
+    ),
+    "paper": (
+        "Jh2020",
+        "jh2020",
+    ),
+    "quality": (
+        "QualityCard",
+        "quality_card",
+    ),
+    "records": (
+        "Gauges",
+        "as_gauges",
+        "gauges",
+        "read_csv",
+    ),
+    "runup": (
+        "RunUp",
+        "run_up",
+    ),
+    "separation": (
+        "Components",
+        "fit_wave_number",
+        "goda_suzuki",
+        "mansard_funke",
+        "separate_xt",
+        "zelt_skjelbreia",
+    ),
+    "theory": (
+        "Scatter",
+        "long_wave",
+        "porous_block",
+        "porous_block_lorentz",
+    ),
+    "waves": (
+        "Spectrum",
+        "Waves",
+        "find_omega",
+        "harmonics",
+        "spectrum",
+        "zero_crossing",
+    ),
+    "window": (
+        "Window",
+        "choose_window",
+    ),
+}
+_HOME = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'houle.analysis' has no attribute {name!r}")
+    value = getattr(import_module(f"houle.analysis.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,214 @@
+"""From gauges and a window to coefficients with their intervals: regular waves, irregular waves, the paper's
+formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.analysis import energies
+from houle.analysis.energies import Lines, Pieces
+from houle.analysis.errors import AnalysisError
+from houle.analysis.linear import wave_number
+from houle.analysis.paper import jh2020
+from houle.analysis.records import Gauges
+from houle.analysis.result import Reflection
+from houle.analysis.separation import fit_wave_number, separate_xt, spread
+from houle.analysis.uncertainty import bootstrap, half_width, subsets
+from houle.analysis.window import Window
+
+RESIDUAL = 0.1  # of the amplitude, above which a note is due
+NONE = (float("nan"), float("nan"))
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked: gauges with the incident wave going to +x, and when; see reflection()."""
+
+    kind: str
+    method: str
+    front: Gauges
+    back: Gauges | None
+    frame: Window
+    omega: float
+    depth: float
+    gravity: float
+    towards: float
+    confidence: float
+    seed: int
+
+    @property
+    def k(self) -> float:
+        """Linear wave number [rad/m]."""
+        return float(wave_number(self.omega, self.depth, self.gravity))
+
+
+def regular(task: Task, number: float | str | None) -> Reflection:
+    """First harmonic over whole periods; number: wave number [rad/m], None (linear) or "fit"."""
+    x, frame = task.front.x, task.frame
+    F = energies.per_period(task.front, task.omega, frame.start, frame.periods)
+    mean = F.mean(axis=0)
+    k = task.k if number is None else number
+    k = fit_wave_number(x, mean[:, 1], task.k) if isinstance(k, str) else k
+    through = None
+    if task.back is not None:
+        through = (energies.per_period(task.back, task.omega, frame.start, frame.periods, 1)[:, :, 1], task.back.x)
+
+    def of(chosen: list[int], method: str) -> Pieces:
+        return energies.regular(F[:, chosen, 1], x[chosen], k, method, through)
+
+    parts = separate_xt(x, mean, task.omega, task.depth, k, task.gravity)
+    notes = [] if frame.periods >= 5 else [f"{frame.periods} periods only: 5 or more make a steady state believable"]
+    if number is None and parts[0].residual > RESIDUAL:
+        notes.append(
+            f"{100 * parts[0].residual:.0f} % of the amplitude is not two waves of k = {k:.4g} rad/m: try "
+            "wave_number='fit' (high waves are longer), check period, depth and the places of the gauges"
+        )
+    if not all(part.resolved for part in parts):
+        orders = ", ".join(str(part.order) for part in parts if not part.resolved)
+        notes.append(
+            f"harmonics {orders}: these gauges cannot tell free from bound waves (C_R is of the first harmonic)"
+        )
+    found = estimate(of, x, k, task)
+    return _answer(task, k, found, 2.0, notes, parts[0].residual, harmonics=tuple(parts), amplitudes=mean)
+
+
+def irregular(task: Task, taper: float = 0.1) -> Reflection:
+    """Fourier lines of 0.5 to 2 f_p; the ends of the record are tapered over this part of it."""
+    peak = task.omega / (2 * np.pi)
+    band, frame = (0.5 * peak, 2.0 * peak), task.frame
+    inside = task.front.between(frame.start, frame.end)
+    density = None if task.back is None else _transmitted(task, band, taper)
+
+    def separated(chosen: list[int], method: str) -> Lines:
+        return energies.lines(inside.pick(chosen), task.depth, band, method, task.gravity, taper)
+
+    found = separated(list(range(len(inside.x))), task.method)
+    used, notes = found.trust > 0, []
+    if not used.all():
+        notes.append(
+            f"{np.sum(~used)} of {len(used)} lines are left out, the gauges cannot tell the waves apart there "
+            f"({found.frequency[~used].min():.3g} to {found.frequency[~used].max():.3g} Hz)"
+        )
+    result = estimate(lambda rows, method: energies.irregular(separated(rows, method), density), inside.x, task.k, task)
+    rest = float(np.sqrt(1.0 - np.mean(found.trust[used]))) if len(inside.x) > 2 else float("nan")
+    return _answer(task, task.k, result, 4.0, notes, rest, lines=found)
+
+
+def _transmitted(task: Task, band: tuple[float, float], taper: float) -> NDArray[Any]:
+    """Density of the wave behind at the lines of the band: going away if two gauges stand there, all of it if one."""
+    assert task.back is not None
+    late = task.back.between(task.frame.start, task.frame.end)
+    if len(late.x) > 1:
+        return energies.lines(late, task.depth, band, "zelt-skjelbreia", task.gravity, taper).incident
+    _, F, unit = energies.fourier(late, band, taper)
+    return unit * np.abs(F[:, 0]) ** 2
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Energies (incident, reflected, transmitted), coefficients and half widths (R, T, D), and what those cover."""
+
+    energy: NDArray[Any]
+    values: NDArray[Any]
+    half: NDArray[Any]
+    covers: str
+
+
+def coefficients(energy: NDArray[Any]) -> NDArray[Any]:
+    """C_R, C_T, C_D (..., 3) of the energies (..., 2 or 3): incident, reflected and, if it was measured,
+    transmitted.
+    """
+    whole = np.where(energy[..., 0] > 0, energy[..., 0], np.nan)
+    reflected = energy[..., 1] / whole
+    through = energy[..., 2] / whole if energy.shape[-1] > 2 else np.full_like(whole, np.nan)
+    return np.stack([np.sqrt(reflected), np.sqrt(through), 1.0 - reflected - through], axis=-1)
+
+
+def estimate(of: Callable[[list[int], str], Pieces], x: NDArray[Any], k: float, task: Task) -> Estimate:
+    """Coefficients and half widths; of(gauges, method) gives the pieces of energy that these gauges see."""
+    pieces = of(list(range(len(x))), task.method)
+    energy = pieces.energy(pieces.values)
+    if not energy[0] > 0:
+        raise AnalysisError("there is no incident wave at this period and direction: check period, window and towards")
+    error = bootstrap(lambda values: coefficients(pieces.energy(values)), pieces.values, task.seed)
+    covers = f"change between {len(pieces.values)} {pieces.unit} (moving-block bootstrap)"
+    chosen, scatter = subsets(x, k, task.seed), np.full(3, np.nan)
+    if len(chosen) > 1:
+        others = [of(list(c), "zelt-skjelbreia") for c in chosen]
+        scatter = np.std([coefficients(p.energy(p.values)) for p in others], axis=0, ddof=1)
+        covers += f" and disagreement of {len(chosen)} {'triples' if len(chosen[0]) == 3 else 'pairs'} of gauges"
+    else:
+        covers += "; gauges that disagree would not show (two only)"
+    half = half_width(error, len(pieces.values), scatter, task.confidence)
+    return Estimate(
+        energy, coefficients(energy), half, covers + "; not an error common to all gauges, nor of the model"
+    )
+
+
+def _answer(
+    task: Task, k: float, e: Estimate, factor: float, notes: list[str], residual: float, **details: Any
+) -> Reflection:
+    low, high = e.values - e.half, e.values + e.half
+    low[:2] = np.maximum(low[:2], 0.0)
+    H_I, H_R, H_T = (float(h) for h in factor * np.sqrt(np.append(e.energy, np.nan)[:3]))
+    values: dict[str, Any] = dict(zip(("C_R", "C_T", "C_D"), map(float, e.values), strict=True))
+    spans = [(float(a), float(b)) for a, b in zip(low, high, strict=True)]
+    intervals: dict[str, Any] = dict(zip(("interval_R", "interval_T", "interval_D"), spans, strict=True))
+    quality: dict[str, Any] = {
+        "residual": residual,
+        "spread": float(spread(k, task.front.x)),
+        "covers": e.covers,
+        "notes": tuple(notes),
+    }
+    return Reflection(
+        **_what(task, k),
+        **values,
+        **intervals,
+        H_I=H_I,
+        H_R=H_R,
+        H_T=H_T,
+        confidence=task.confidence,
+        **quality,
+        **details,
+    )
+
+
+def _what(task: Task, k: float) -> dict[str, Any]:
+    same = {name: getattr(task, name) for name in ("kind", "method", "depth", "towards")}
+    return {**same, "period": 2 * np.pi / task.omega, "wave_number": k, "window": task.frame, "record": task.front}
+
+
+def paper(task: Task, bed: float) -> Reflection:
+    """Levels above the bed: the highest and the lowest at the gauges in front, crest less trough behind."""
+    level = task.front.between(task.frame.start, task.frame.end).eta - bed
+    through = float("nan")
+    if task.back is not None:
+        late = task.back.between(task.frame.start, task.frame.end).eta
+        through = float(np.mean(late.max(axis=1) - late.min(axis=1)))
+    p = jh2020(float(level.max()), float(level.min()), through)
+    nothing: dict[str, Any] = {
+        "interval_R": NONE,
+        "interval_T": NONE,
+        "interval_D": NONE,
+        "residual": NONE[0],
+        "spread": NONE[0],
+    }
+    return Reflection(
+        **_what(task, task.k),
+        **nothing,
+        C_R=p.C_R,
+        C_T=p.C_T,
+        C_D=p.C_D,
+        H_I=p.H_I,
+        H_R=p.H_R,
+        H_T=through,
+        confidence=0.0,
+        covers="none: this formula is not an estimate of the reflection",
+        notes=(p.warning,),
+    )

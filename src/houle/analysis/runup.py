@@ -1,0 +1,76 @@
+"""Run-up: how high the water climbs, and the level that 2 % of the waves exceed (EurOtop 2018, chapter 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from houle.analysis.errors import AnalysisError
+
+LEAST_WAVES = 50  # one wave in fifty is 2 %
+
+
+@dataclass(frozen=True)
+class RunUp:
+    """`peaks` (N,): run-ups above still water [m] in order of time; `waves`: number of incident waves they come
+    from.
+    """
+
+    peaks: NDArray[np.float64]
+    times: NDArray[np.float64]
+    waves: int
+
+    @property
+    def R_max(self) -> float:
+        return float(self.peaks.max())
+
+    @property
+    def R_mean(self) -> float:
+        return float(self.peaks.mean())
+
+    @property
+    def R_13(self) -> float:
+        """Mean of the highest third [m]."""
+        return float(np.sort(self.peaks)[::-1][: max(1, round(len(self.peaks) / 3))].mean())
+
+    @property
+    def R_2(self) -> float:
+        """Run-up that 2 % of the incident waves exceed [m]; NaN with fewer than 50 waves."""
+        return self.exceeded(0.02) if self.waves >= LEAST_WAVES else float("nan")
+
+    def exceeded(self, part: float) -> float:
+        """Level exceeded by this part of the incident waves [m], linear between ranks; NaN beyond the data."""
+        rank = part * self.waves
+        if not 1.0 <= rank <= len(self.peaks):
+            return float("nan")
+        return float(np.interp(rank, np.arange(1, len(self.peaks) + 1), np.sort(self.peaks)[::-1]))
+
+    def __str__(self) -> str:
+        few = "" if self.waves >= LEAST_WAVES else f" ({LEAST_WAVES} waves are needed for R_2%)"
+        return (
+            f"{len(self.peaks)} run-ups of {self.waves} waves: R_2% {self.R_2:.4g}, R_1/3 {self.R_13:.4g}, "
+            f"R_max {self.R_max:.4g} m{few}"
+        )
+
+
+def run_up(time: ArrayLike, level: ArrayLike, *, waves: int | None = None, threshold: float = 0.0) -> RunUp:
+    """Highest level of each run-up: between an up-crossing of the mean level of the water's edge and the next one.
+
+    time, level (T,): the edge of the water above still water [s, m]. `waves`: incident waves in the record (the number
+    of run-ups if None). Run-ups that rise less than `threshold` [m] above the mean are left out. Raises AnalysisError.
+    """
+    t, z = np.asarray(time, dtype=float), np.asarray(level, dtype=float)
+    if t.shape != z.shape or t.ndim != 1 or not np.all(np.isfinite(z)):
+        raise AnalysisError("run-up: time and level must be two rows of numbers of one length, without gaps")
+    above = z - z.mean()
+    up = np.flatnonzero((above[:-1] < 0) & (above[1:] >= 0)) + 1
+    ends = np.append(up, len(z))[1:]
+    tops = [int(a + np.argmax(z[a:b])) for a, b in zip(up, ends, strict=True)]
+    tops = [i for i in tops if above[i] >= threshold and i < len(z) - 1]  # the last may still be rising
+    if not tops:
+        raise AnalysisError("there is no whole run-up in the record")
+    if waves is not None and waves < len(tops):
+        raise AnalysisError(f"{len(tops)} run-ups from {waves} incident waves: raise threshold, or correct waves")
+    return RunUp(z[tops], t[tops], len(tops) if waves is None else waves)
