@@ -23,6 +23,7 @@ LAYERS = (
     {"case_errors", "case_files", "case", "checks", "laboratory"},
     {"simulation"},
     {"output"},
+    {"analysis"},
     {"progress", "recorder", "bundle", "session", "preflight", "summary", "runner"},
     {"validation", "bench", "check_report", "describe", "new"},
     {"cli"},

@@ -392,6 +392,9 @@ class Reference(Table):
     volume: float | None = Field(default=None, gt=0, description="water volume of the experiment [m3], 2D [m2]")
 
 
+PREFIXES = {"porous": "porous-", "solid": "solid-", "sponge": "sponge-", "gauge": "G", "sensor": "P"}  # of names
+
+
 class Case(Table):
     """A case file of houle: waves and dam-break flow through porous structures. SI units throughout."""
 
@@ -420,13 +423,7 @@ class Case(Table):
         if not isinstance(value, dict):
             return value
         value = dict(value)
-        for key, prefix in (
-            ("porous", "porous-"),
-            ("solid", "solid-"),
-            ("sponge", "sponge-"),
-            ("gauge", "G"),
-            ("sensor", "P"),
-        ):
+        for key, prefix in PREFIXES.items():
             rows = value.get(key)
             if isinstance(rows, (list, tuple)):
                 value[key] = [

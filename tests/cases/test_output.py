@@ -289,7 +289,7 @@ def test_a_resumed_run_leaves_the_files_of_an_uninterrupted_one(tmp_path, packed
     write(outputs, grid, range(6), range(21))
     outputs.close() if packed else outputs.commit()
     outputs = Outputs(parts, case, grid)
-    outputs.truncate_after(0.1 * stop)
+    outputs.truncate_after(0.1 * stop, 0.1 * stop)
     assert len(read_fields(parts)) == stop + 1
     write(outputs, grid, range(stop + 1, 7), range(4 * stop + 1, 25))
     outputs.close()
@@ -337,7 +337,7 @@ def test_kill_9_at_any_moment_leaves_readable_files(tmp_path, wait):
     for index in range(len(got)):
         assert_same_frame(got.frame(index), made_frame(grid, index))
     outputs = Outputs(tmp_path, made_case(), grid)
-    outputs.truncate_after(saved.meta["time"])
+    outputs.truncate_after(saved.meta["time"], saved.meta["time"])
     outputs.close()
     assert len(read_fields(tmp_path)) == saved.step + 1 == read_surface(tmp_path).sizes["time"]
 

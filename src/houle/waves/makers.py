@@ -142,12 +142,14 @@ class RelaxationZone:
         cells = slice(faces.start, faces.stop - 1)
         x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
         most = damping(wave.group_velocity, (end - start) / 3)
-        inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its beginning
+        at_faces, at_centres = (
+            (end - p) / (end - start) for p in x
+        )  # 0 where the waves leave the zone, 1 at its start
         up = grid.dimension - 1
         return cls(
             wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
-            sigma=tuple(most * np.clip(3 * s, 0, 1) ** 2 for s in inwards),
-            share=tuple(smooth(3 * (1 - s)) for s in inwards),
+            sigma=(most * np.clip(3 * at_faces, 0, 1) ** 2, most * np.clip(3 * at_centres, 0, 1) ** 2),
+            share=(smooth(3 * (1 - at_faces)), smooth(3 * (1 - at_centres))),
             duration=duration,
         )  # fmt: skip
 

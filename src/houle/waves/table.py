@@ -62,7 +62,11 @@ class Source(Table):
     """waves.source: waves made by a force inside the water; they run out to both sides, or are let out on one."""
 
     x: float = Field(description="middle of the source [m]")
-    width: float | None = Field(default=None, gt=0, description="width; half a wavelength when left out [m]")
+    width: float | None = Field(
+        default=None,
+        gt=0,
+        description="width; a wavelength when left out, a quarter of that of the peak for spectra [m]",
+    )
     form: Literal["linear", "boussinesq"] = Field(
         default="linear", description="amplitude from the group velocity of linear theory, or the paper's eq. (5)"
     )
