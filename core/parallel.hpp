@@ -15,6 +15,12 @@
 #include <omp.h>
 #endif
 
+#if defined(_MSC_VER)
+#define HOULE_NOINLINE __declspec(noinline)
+#else
+#define HOULE_NOINLINE __attribute__((noinline))
+#endif
+
 namespace houle {
 
 using index = std::ptrdiff_t;
@@ -33,37 +39,43 @@ inline int get_threads() {
 #endif
 }
 
-// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this run on one thread.
-//
-// One compiled loop for any number of threads: two could contract multiply-adds differently. Each thread works on a
-// copy of the body that nothing else points to, so that the compiler keeps in registers what it captured.
+// The share [begin, end) of one thread. Not inlined: the same instructions run for any number of threads, where two
+// compilations could contract multiply-adds differently. It works on a copy of the body that nothing else points to, so
+// that the compiler keeps in registers what it captured.
 template <class Body>
-inline void parallel_for(index n, const Body& shared, [[maybe_unused]] index grain = 1024) {
+HOULE_NOINLINE inline void run_share(index begin, index end, const Body& shared) {
+  const Body body(shared);
+  for (index i = begin; i < end; ++i) body(i);
+}
+
+// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this per thread are not worth waking it.
+// A thread always has the same share, which stays in its cache.
+template <class Body>
+inline void parallel_for(index n, const Body& body, [[maybe_unused]] index grain = 1024) {
 #ifdef _OPENMP
-#pragma omp parallel if (n >= 2 * grain)
-#endif
-  {
-    const Body body(shared);
-#ifdef _OPENMP
-#pragma omp for schedule(static)
-#endif
-    for (index i = 0; i < n; ++i) body(i);
+  if (n >= 2 * grain && get_threads() > 1) {
+#pragma omp parallel
+    {
+      const index thread = omp_get_thread_num(), threads = omp_get_num_threads();
+      run_share(n * thread / threads, n * (thread + 1) / threads, body);
+    }
+    return;
   }
+#endif
+  run_share(0, n, body);
 }
 
 // Like parallel_for, for few and heavy iterations (slabs, columns): each is worth a thread.
 template <class Body>
-inline void parallel_for_heavy(index n, const Body& shared) {
+inline void parallel_for_heavy(index n, const Body& body) {
 #ifdef _OPENMP
-#pragma omp parallel if (n > 1)
-#endif
-  {
-    const Body body(shared);
-#ifdef _OPENMP
-#pragma omp for schedule(dynamic, 1)
-#endif
-    for (index i = 0; i < n; ++i) body(i);
+  if (n > 1 && get_threads() > 1) {
+#pragma omp parallel for schedule(dynamic, 1)
+    for (index i = 0; i < n; ++i) run_share(i, i + 1, body);
+    return;
   }
+#endif
+  run_share(0, n, body);
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.
