@@ -86,22 +86,30 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
 }
 
 // x += dt u_d(x_mid) / n(x_mid), x_mid = x + dt/2 u_d(x) / n(x): the midpoint rule (17). porosity (cells) null: 1.
+// own, own_porosity: u_d(x) (n, D) and n(x) (n,) where they are known already, else null.
 template <int D>
-inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* porosity, const Obstacles<D>& obstacles,
-                 double dt, double* x) {
+inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* porosity, const double* own,
+                 const double* own_porosity, const Obstacles<D>& obstacles, double dt, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     double from[D], at[D];
     for (int a = 0; a < D; ++a) from[a] = at[a] = x[D * p + a];
-    for (int stage = 0; stage < 2; ++stage) {
+    const auto go = [&](double time) {
       Stencil<LinearKernel, D> st;
       st.set(g, at);
-      const double share = stage ? dt : 0.5 * dt;
-      const double time = porosity ? share / st.template gather<-1>(cell_stride, porosity) : share;
+      if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
       each_of<D>([&](auto a) { at[a] = from[a] + time * st.template gather<a>(stride[a], u[a]); });
       keep_inside(g, obstacles, from, at);
+    };
+    if (own) {
+      const double time = porosity ? 0.5 * dt / own_porosity[p] : 0.5 * dt;
+      for (int a = 0; a < D; ++a) at[a] = from[a] + time * own[D * p + a];
+      keep_inside(g, obstacles, from, at);
+    } else {
+      go(0.5 * dt);
     }
+    go(dt);
     for (int a = 0; a < D; ++a) x[D * p + a] = at[a];
   });
 }

@@ -167,16 +167,20 @@ static void bind(nb::module_& m) {
       "Divergence-free vertical velocity above the surface of single-valued columns.");
   m.def(
       "move",
-      [](G g, FaceFields u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x) {
+      [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField own_porosity,
+         OptionalField distance, Field gates, double dt, Field x) {
         const index n = points_of<D>(x, "position");
         if (porosity) require_cells(g, porosity->size(), "porosity");
+        if (own) require_size(own->size(), n * D, "own velocity");
+        if (own_porosity) require_size(own_porosity->size(), n, "own porosity");
+        if (own && porosity && !own_porosity) throw std::invalid_argument("own velocity needs own porosity");
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto obstacles = obstacles_of<D>(g, distance, gates);
         nb::gil_scoped_release release;
-        move<D>(g, n, uu, pointer(porosity), obstacles, dt, x.data());
+        move<D>(g, n, uu, pointer(porosity), pointer(own), pointer(own_porosity), obstacles, dt, x.data());
       },
-      "grid"_a, "u"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "dt"_a, "position"_a,
-      "Moves the particles with the pore velocity, midpoint rule.");
+      "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "own_porosity"_a.none(), "distance"_a.none(), "gates"_a,
+      "dt"_a, "position"_a, "Moves the particles with the pore velocity, midpoint rule.");
   m.def(
       "drift",
       [](G g, Field from, Field u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x) {

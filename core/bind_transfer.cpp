@@ -1,6 +1,6 @@
 // Bindings of transfer.hpp: sorting, scatter, gather, by kernel name.
 #include "bind.hpp"
-#include "transfer.hpp"
+#include "mass_matrix.hpp"
 
 namespace houle {
 
@@ -142,6 +142,27 @@ static void bind(nb::module_& m) {
       "APIC's velocity gradient at the particles.");
 }
 
+template <int D>
+static void bind_mass_matrix(nb::module_& m, const char* name) {
+  using Matrix = MassMatrix<D>;
+  nb::class_<Matrix>(m, name, "The full mass matrix of the linear kernel, for the transfer FMPM(k).")
+      .def(nb::init<const Grid<D>&>(), "grid"_a)
+      .def(
+          "transfer",
+          [](Matrix& s, Field x, Field mass, Array<std::int64_t> start, Field u, int order, std::vector<Field> velocity,
+             std::vector<Field> face_mass, std::vector<Field> work) {
+            const auto& g = s.grid();
+            const auto cloud = cloud_of<D>(g, x, std::nullopt, mass, start);
+            require_size(u.size(), cloud.n * D, "velocity");
+            const auto v = faces_of(g, velocity, "velocity"), fm = faces_of(g, face_mass, "face mass"),
+                       w = faces_of(g, work, "work");
+            nb::gil_scoped_release release;
+            s.transfer(cloud, u.data(), order, v, fm, w);
+          },
+          "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a,
+          "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
+}
+
 static void bind_permute(nb::module_& m) {
   m.def(
       "permute",
@@ -160,6 +181,8 @@ void bind_transfer(nb::module_& m) {
   bind_permute(m);
   bind<2>(m);
   bind<3>(m);
+  bind_mass_matrix<2>(m, "MassMatrix2");
+  bind_mass_matrix<3>(m, "MassMatrix3");
 }
 
 }  // namespace houle

@@ -1,6 +1,8 @@
 // Forces, projection and extrapolation on the faces of the MAC grid.
 #pragma once
 
+#include <cstring>
+
 #include "surface.hpp"
 
 namespace houle {
@@ -122,12 +124,15 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
             sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
           }
         });
-        const double speed = std::sqrt(speed2);
-        taken += B[f] * speed;
+        if (B[f] > 0.0) {
+          const double speed = std::sqrt(speed2);
+          taken += B[f] * speed;
+          J += B[f] * (speed + v[a] * v[a] / speed);
+        }
         R = taken + sigma;
-        J = A[f] + B[f] * (speed + v[a] * v[a] / speed) + (sigma > 0.0 ? 2.0 * sigma : 0.0);
+        J += sigma > 0.0 ? 2.0 * sigma : 0.0;
       }
-      const double step = phi1(dt * c * J) * dt * c;
+      const double step = J == 0.0 ? dt * c : phi1(dt * c * J) * dt * c;  // phi1(0) = 1: clear water
       dr[f] = 1.0 - step * R;
       mo[f] = step;
       re[f] = step * taken;
@@ -285,6 +290,15 @@ inline double max_divergence(const Grid<D>& g, const std::uint8_t* active, Const
   });
 }
 
+// Eight flags at once, and whether one of them is 0.
+constexpr index word = 8;
+inline std::uint64_t word_at(const std::uint8_t* flags) {
+  std::uint64_t w;
+  std::memcpy(&w, flags, sizeof w);
+  return w;
+}
+inline bool has_zero(std::uint64_t w) { return ((w - 0x0101010101010101u) & ~w & 0x8080808080808080u) != 0; }
+
 // Carries known face values outwards, `layers` faces deep, each the mean of its known neighbours. known (faces): 1
 // known, 0 not; on return layer numbers + 1. After `near` layers, faces with mass > keep_mass count as known as they
 // are: spray too far from the water for its pressure flies on. mass null: no such faces.
@@ -323,18 +337,15 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
               known_a[row + j] = mark;
             };
             fill(0);
-            constexpr index chunk = 64;  // looked through at once for entries that are not known but touch one that is
-            for (index begin = 1; begin < line - 1; begin += chunk) {
-              const index n = std::min(chunk, line - 1 - begin);
-              const std::uint8_t* here = known_a + row + begin;
-              std::uint8_t touches[chunk];
-              for (index j = 0; j < n; ++j) touches[j] = here[j - 1] | here[j + 1];
-              for (index side : beside)
-                for (index j = 0; j < n; ++j) touches[j] |= known_a[side + begin + j];
-              for (index j = 0; j < n; ++j) touches[j] = touches[j] && !here[j];
-              for (index j = 0; j < n; ++j)
-                if (touches[j]) fill(begin + j);
+            index j = 1;
+            for (; j + word <= line - 1; j += word) {  // entries that are not known but touch one that is, if any
+              const std::uint8_t* here = known_a + row + j;
+              std::uint64_t around = word_at(here - 1) | word_at(here + 1);
+              for (index side : beside) around |= word_at(known_a + side + j);
+              if (around == 0 || !has_zero(word_at(here))) continue;
+              for (index i = j; i < j + word; ++i) fill(i);
             }
+            for (; j < line - 1; ++j) fill(j);
             fill(line - 1);
           },
           16);

@@ -59,6 +59,20 @@ struct Grid {
   }
 };
 
+// The shape of the rows of a field.
+template <int D>
+inline std::array<index, D> rows_of(std::array<index, D> shape) {
+  shape[D - 1] = 1;
+  return shape;
+}
+
+// Number i of n brought back from just outside: around a periodic axis, or onto the end.
+inline index inside(index i, index n, bool periodic) {
+  if (i < 0) return periodic ? i + n : 0;
+  if (i >= n) return periodic ? i - n : n - 1;
+  return i;
+}
+
 template <int D>
 struct Faces {  // the D face fields of one quantity
   std::array<double*, D> data{};

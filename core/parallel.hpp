@@ -21,6 +21,17 @@
 #define HOULE_NOINLINE __attribute__((noinline))
 #endif
 
+// Before a loop whose iterations write nothing that others read.
+#if defined(__clang__)
+#define HOULE_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
+#elif defined(__GNUC__)
+#define HOULE_INDEPENDENT _Pragma("GCC ivdep")
+#elif defined(_MSC_VER)
+#define HOULE_INDEPENDENT __pragma(loop(ivdep))
+#else
+#define HOULE_INDEPENDENT
+#endif
+
 namespace houle {
 
 using index = std::ptrdiff_t;

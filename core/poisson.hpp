@@ -30,16 +30,6 @@
 #include "grid.hpp"
 #include "parallel.hpp"
 
-#if defined(__clang__)
-#define HOULE_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
-#elif defined(__GNUC__)
-#define HOULE_INDEPENDENT _Pragma("GCC ivdep")
-#elif defined(_MSC_VER)
-#define HOULE_INDEPENDENT __pragma(loop(ivdep))
-#else
-#define HOULE_INDEPENDENT
-#endif
-
 namespace houle::multigrid {
 
 constexpr int width = 8;  // ranges are whole multiples of this many entries: no loop needs a remainder

@@ -131,20 +131,6 @@ inline double surface_fraction(double d_water, double d_air, double least) {
 
 // ---- rows: the lines of a field along the last axis, its columns of cells or faces ----------------------------------
 
-// The shape of the rows of a field.
-template <int D>
-inline std::array<index, D> rows_of(std::array<index, D> shape) {
-  shape[D - 1] = 1;
-  return shape;
-}
-
-// Number i of n brought back from just outside: around a periodic axis, or onto the end.
-inline index inside(index i, index n, bool periodic) {
-  if (i < 0) return periodic ? i + n : 0;
-  if (i >= n) return periodic ? i - n : n - 1;
-  return i;
-}
-
 // Where the rows beside row i of a field of that shape begin: [2b] the one before along axis b, [2b+1] the one after;
 // -1 behind a wall.
 template <int D>

@@ -74,6 +74,7 @@ class Flow:
         self.coefficient = g.faces()
         self.dirichlet = g.cells()
         self.rhs = g.cells()
+        self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
         self.makers: list[Maker] = []  # of waves
@@ -87,6 +88,11 @@ class Flow:
         self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
         self.measure_capacity()
         self.refresh_particles()
+
+    @cached_property
+    def mass_matrix(self) -> _core.MassMatrix2 | _core.MassMatrix3:
+        """Work space of the full-mass-matrix transfer."""
+        return (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)
 
     @cached_property
     def smoothing(self) -> Smoothing:

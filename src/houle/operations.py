@@ -171,9 +171,10 @@ def _book_works(flow: Flow, ledger: Ledger) -> None:
 
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
+    own = (flow.particles.velocity, flow.porosity) if flow.interpolated else (None, None)
     _core.move(
-        flow.grid.core, flow.velocity, flow.medium.porosity if flow.porous else None, flow.medium.solid_distance,
-        flow.gates, dt, flow.particles.position,
+        flow.grid.core, flow.velocity, flow.medium.porosity if flow.porous else None, *own,
+        flow.medium.solid_distance, flow.gates, dt, flow.particles.position,
     )  # fmt: skip
 
 

@@ -47,6 +47,7 @@ class Pic:
 
     def to_particles(self, flow: Flow) -> None:
         _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, flow.particles.velocity)
+        flow.interpolated = flow.kernel == "linear"
 
     def renew(self, flow: Flow) -> None:
         """Nothing is kept per particle."""
@@ -65,6 +66,11 @@ class Fmpm(Pic):
         self.order = order
 
     def to_grid(self, flow: Flow) -> None:
+        p = flow.particles
+        if flow.kernel == "linear":
+            faces = (flow.velocity, flow.face_mass, flow.face_work)
+            flow.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *faces)
+            return
         super().to_grid(flow)
         for _ in range(1, self.order):
             _core.add_residual(*_cloud(flow), flow.particles.velocity, flow.face_mass, flow.velocity, flow.face_work)
@@ -81,6 +87,7 @@ class Flip(Pic):
         _core.to_particles(
             *_cloud(flow), flow.velocity, flow.velocity_change(), flow.drag, self.share, flow.particles.velocity
         )
+        flow.interpolated = False
 
 
 class Apic(Pic):

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-from clouds import grids, linear_faces, random_faces, randoms, scattered
+from clouds import grids, linear_faces, random_faces, randoms, scattered, start_of
 from houle import _core
 from houle.geometry import Box, node_distance
 from houle.grid import Grid
@@ -16,9 +16,9 @@ from houle.grid import Grid
 NO_GATES = np.zeros((0, 2))
 
 
-def move(grid, u, dt, x, porosity=None, distance=None, gates=NO_GATES):
+def move(grid, u, dt, x, porosity=None, distance=None, gates=NO_GATES, own=None, own_porosity=None):
     x = np.ascontiguousarray(x, dtype=float).copy()
-    _core.move(grid.core, u, porosity, distance, gates, dt, x)
+    _core.move(grid.core, u, porosity, own, own_porosity, distance, gates, dt, x)
     return x
 
 
@@ -39,6 +39,12 @@ def test_motion_against_the_twin(grid, random, porous, obstructed):
     dt = 0.5 * min(grid.spacing)
     expected = reference.move(grid, u, porosity, distance, gates, dt, x)
     np.testing.assert_allclose(move(grid, u, dt, x, porosity, distance, gates), expected, rtol=0, atol=1e-12)
+
+    own, clear = np.empty_like(x), np.ones(len(x))
+    _core.to_particles(grid.core, "linear", x, None, clear, start_of(grid, x), u, [], [], 0.0, own)
+    own_porosity = reference.gather_cells(grid, x, porosity) if porous else None
+    found = move(grid, u, dt, x, porosity, distance, gates, own, own_porosity)  # the first stage known already
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
     new, shift = x.copy(), np.empty_like(x)
     _core.displace(grid.core, u, porosity, distance, gates, 0.1, new, shift)
