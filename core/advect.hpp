@@ -19,38 +19,39 @@ struct Obstacles {
   int gate_count = 0;
 };
 
-// Signed distance to the solids at a point and its gradient, (bi/tri)linear from the nodes.
+// Signed distance to the solids at a point, (bi/tri)linear from the nodes, and where it is negative its gradient.
 template <int D>
 inline double solid_distance(const Grid<D>& g, const double* node_distance, const double* x, double* gradient) {
-  std::array<index, D> shape = g.shape, base{};
+  std::array<index, D> shape = g.shape;
   for (int a = 0; a < D; ++a) shape[a] += 1;
   const auto stride = Grid<D>::strides(shape);
-  double f[D];
+  double weight[D][2];
+  index base = 0;
   for (int a = 0; a < D; ++a) {
     const double s = x[a] / g.h[a];
-    index i = static_cast<index>(std::floor(s));
-    i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
-    base[a] = i;
-    f[a] = s - static_cast<double>(i);
-    gradient[a] = 0.0;
+    const index i = std::clamp<index>(static_cast<index>(s), 0, g.shape[a] - 1);
+    base += i * stride[a];
+    weight[a][1] = s - static_cast<double>(i);
+    weight[a][0] = 1.0 - weight[a][1];
   }
-  double value = 0.0;
-  for (int corner = 0; corner < (1 << D); ++corner) {
-    index at = 0;
-    double w = 1.0;
-    for (int a = 0; a < D; ++a) {
-      const int up = (corner >> a) & 1;
-      at += (base[a] + up) * stride[a];
-      w *= up ? f[a] : 1.0 - f[a];
+  // sum over the corners of node values times weights, along `slope` times -1 and 1 / h instead
+  const auto sum = [&](int slope) {
+    double value = 0.0;
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      index at = base;
+      double w = 1.0;
+      for (int a = 0; a < D; ++a) {
+        const int side = (corner >> a) & 1;
+        at += side * stride[a];
+        w *= a == slope ? (side ? 1.0 : -1.0) / g.h[a] : weight[a][side];
+      }
+      value += w * node_distance[at];
     }
-    value += w * node_distance[at];
-    for (int a = 0; a < D; ++a) {
-      double slope = ((corner >> a) & 1) ? 1.0 / g.h[a] : -1.0 / g.h[a];
-      for (int b = 0; b < D; ++b)
-        if (b != a) slope *= ((corner >> b) & 1) ? f[b] : 1.0 - f[b];
-      gradient[a] += slope * node_distance[at];
-    }
-  }
+    return value;
+  };
+  const double value = sum(-1);
+  if (value < 0.0)
+    for (int a = 0; a < D; ++a) gradient[a] = sum(a);
   return value;
 }
 
@@ -168,10 +169,9 @@ inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const d
 }
 
 // x += displacement(x) / n(x), each component at most `limit` cells. displacement: Darcy displacement on faces [m].
-// shift (n, D) receives what each particle was moved.
 template <int D>
 inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const double* porosity,
-                     const Obstacles<D>& obstacles, double limit, double* x, double* shift) {
+                     const Obstacles<D>& obstacles, double limit, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
@@ -185,10 +185,7 @@ inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, cons
       at[a] = from[a] + (d > most ? most : (d < -most ? -most : d));
     });
     keep_inside(g, obstacles, from, at);
-    for (int a = 0; a < D; ++a) {
-      x[D * p + a] = at[a];
-      shift[D * p + a] = at[a] - from[a];
-    }
+    for (int a = 0; a < D; ++a) x[D * p + a] = at[a];
   });
 }
 

@@ -94,8 +94,9 @@ static void bind(nb::module_& m) {
                         optional_faces(g, forchheimer, "forchheimer"), pointer(inverse_n2)};
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto ex = optional_faces(g, extra, "extra");
-        const auto s = faces_of(g, star, "star"), d = faces_of(g, drag, "drag"), b = faces_of(g, mobility, "mobility"),
-                   re = faces_of(g, resisted, "resisted");
+        const auto s = faces_of(g, star, "star"), b = faces_of(g, mobility, "mobility");
+        const auto d = drag.empty() ? Faces<D>() : faces_of(g, drag, "drag"),
+                   re = resisted.empty() ? Faces<D>() : faces_of(g, resisted, "resisted");
         nb::gil_scoped_release release;
         apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b, re);
       },
@@ -235,16 +236,15 @@ static void bind(nb::module_& m) {
   m.def(
       "displace",
       [](G g, FaceFields displacement, OptionalField porosity, OptionalField distance, Field gates, double limit,
-         Field x, Field shift) {
+         Field x) {
         const index n = points_of<D>(x, "position");
-        require_size(shift.size(), n * D, "shift");
         const auto dd = ConstFaces<D>(faces_of(g, displacement, "displacement"));
         const auto obstacles = obstacles_of<D>(g, distance, gates);
         nb::gil_scoped_release release;
-        displace<D>(g, n, dd, pointer(porosity), obstacles, limit, x.data(), shift.data());
+        displace<D>(g, n, dd, pointer(porosity), obstacles, limit, x.data());
       },
       "grid"_a, "displacement"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "limit"_a, "position"_a,
-      "shift"_a, "Moves the particles along a displacement given on the faces.");
+      "Moves the particles along a displacement given on the faces.");
 }
 
 static void bind_sums(nb::module_& m) {

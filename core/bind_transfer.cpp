@@ -36,7 +36,7 @@ static void bind(nb::module_& m) {
   using G = const Grid<D>&;
   m.def(
       "cell_sort",
-      [](G g, Field x, Array<std::int64_t> cell, Array<std::int64_t> order, Array<std::int64_t> start) {
+      [](G g, Field x, Array<std::int32_t> cell, Array<std::int32_t> order, Array<std::int64_t> start) {
         const index n = points_of<D>(x, "position");
         require_size(cell.size(), n, "cell");
         require_size(order.size(), n, "order");
@@ -166,7 +166,7 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
 static void bind_permute(nb::module_& m) {
   m.def(
       "permute",
-      [](Array<std::int64_t> order, Field from, Field to) {
+      [](Array<std::int32_t> order, Field from, Field to) {
         const index n = static_cast<index>(order.size());
         const index width = n ? static_cast<index>(from.size()) / n : 1;
         require_size(from.size(), n * width, "from");

@@ -73,6 +73,7 @@ inline double phi1(double y) {
 // Out, per face: star = u0 + Phi dt c (f - R u0); drag = 1 - Phi dt c R, so star = drag u0 + Phi dt c f;
 // mobility = Phi dt c [s], the factor of grad p in the projection (15), (16);
 // resisted = Phi dt c (a + b |u|), the share of u0 that the drag takes, for the ledger (not written in clear water).
+// drag and resisted may be null.
 // extra: further acceleration on the faces [m/s2] (waves, viscosity), null if none; gravity (D,).
 template <int D>
 inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium, const double* gravity,
@@ -86,7 +87,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
     if (!medium.inverse_n2) {
       parallel_for(g.faces(a), [=](index f) {
         us[f] = ua[f] + dt * (force + (ex ? ex[f] : 0.0));
-        dr[f] = 1.0;
+        if (dr) dr[f] = 1.0;
         mo[f] = dt;
       });
       return;
@@ -133,10 +134,11 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
         J += sigma > 0.0 ? 2.0 * sigma : 0.0;
       }
       const double step = J == 0.0 ? dt * c : phi1(dt * c * J) * dt * c;  // phi1(0) = 1: clear water
-      dr[f] = 1.0 - step * R;
+      const double kept = 1.0 - step * R;
+      if (dr) dr[f] = kept;
       mo[f] = step;
-      re[f] = step * taken;
-      us[f] = ua[f] * dr[f] + step * (force + (ex ? ex[f] : 0.0));
+      if (re) re[f] = step * taken;
+      us[f] = ua[f] * kept + step * (force + (ex ? ex[f] : 0.0));
     };
     parallel_for(
         g.faces(a) / line,

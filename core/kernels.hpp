@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "grid.hpp"
 
@@ -128,6 +129,14 @@ template <int n, class F>
   } else {
     for (int k = 0; k < n; ++k) f(k);
   }
+}
+
+// Calls f with 0 .. n-1 as compile-time constants.
+template <int n, class F>
+[[gnu::always_inline]] inline void unrolled(F f) {
+  [&]<int... k>(std::integer_sequence<int, k...>) {
+    (f(std::integral_constant<int, k>{}), ...);
+  }(std::make_integer_sequence<int, n>{});
 }
 
 // The nodes that a particle reaches along one axis, on the faces across it or at the cell centres.

@@ -129,23 +129,27 @@ class MassMatrix {
         });
         index node[corners];
         double weight[corners];
-        for (int c = 0; c < corners; ++c) {
+        unrolled<corners>([&](auto c) {
           index row = 0;
           double w = 1.0;
-          for (int b = 0; b < D; ++b) {
-            const int side = (c >> (up - b)) & 1;
+          each_of<D>([&](auto b) {
+            constexpr int side = (c >> (up - b)) & 1;
             w *= reach[b].weight[side];
             if (b < up) row += reach[b].node[side] * stride[b];
-          }
+          });
           node[c] = rows[row].first + reach[up].node[c & 1];
           weight[c] = w;
-        }
+        });
         const double m = cloud.mass[p], mu = m * u[D * p + a];
-        for (int c = 0; c < corners; ++c) {
+        unrolled<corners>([&](auto c) {
+          double* at = store + node[c];
           const double mw = m * weight[c];
-          store[node[c]] += weight[c] * mu;
-          for (int d = c; d < corners; ++d) store[(1 + link_between(c, d)) * nodes + node[c]] += mw * weight[d];
-        }
+          *at += weight[c] * mu;
+          unrolled<corners - c>([&](auto after) {
+            constexpr int d = c + after;
+            at[(1 + link_between(c, d)) * nodes] += mw * weight[d];
+          });
+        });
       }
     });
   }

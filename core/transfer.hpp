@@ -22,29 +22,29 @@ inline index cell_of(const Grid<D>& g, const double* x) {
 // Stable counting sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell.
 // cell (n,) is work space. Serial in the histogram, which is memory-light; the permutation itself is parallel.
 template <int D>
-inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int64_t* cell, std::int64_t* order,
+inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
                       std::int64_t* start) {
   const index cells = g.cells();
-  parallel_for(n, [=](index p) { cell[p] = cell_of<D>(g, x + D * p); });
+  parallel_for(n, [=](index p) { cell[p] = static_cast<std::int32_t>(cell_of<D>(g, x + D * p)); });
   std::fill(start, start + cells + 1, 0);
   for (index p = 0; p < n; ++p) ++start[cell[p] + 1];
   for (index c = 0; c < cells; ++c) start[c + 1] += start[c];
-  for (index p = 0; p < n; ++p) order[start[cell[p]]++] = p;
+  for (index p = 0; p < n; ++p) order[start[cell[p]]++] = static_cast<std::int32_t>(p);
   for (index c = cells; c > 0; --c) start[c] = start[c - 1];
   start[0] = 0;
 }
 
 // to[k] = from[order[k]] for rows of `width` numbers.
-inline void permute(index n, index width, const std::int64_t* order, const double* from, double* to) {
+inline void permute(index n, index width, const std::int32_t* order, const double* from, double* to) {
   if (width == 1) {
     parallel_for(n, [=](index k) { to[k] = from[order[k]]; });
   } else if (width == 2) {
     parallel_for(n, [=](index k) {
-      for (int a = 0; a < 2; ++a) to[2 * k + a] = from[2 * order[k] + a];
+      for (int a = 0; a < 2; ++a) to[2 * k + a] = from[2 * static_cast<index>(order[k]) + a];
     });
   } else {
     parallel_for(n, [=](index k) {
-      for (index a = 0; a < width; ++a) to[width * k + a] = from[width * order[k] + a];
+      for (index a = 0; a < width; ++a) to[width * k + a] = from[width * static_cast<index>(order[k]) + a];
     });
   }
 }

@@ -61,17 +61,17 @@ class Flow:
         self.velocity = g.faces()  # Darcy velocity [m/s]
         self.face_mass = g.faces()  # bulk volume that each face carries [m^d]
         self.face_work = g.faces()
-        self.drag = g.faces(1.0)  # factor by which the implicit resistance scales the old velocity
+        self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
         self.mobility = g.faces()  # factor of grad p in the projection [s]
         self.valid = [np.zeros(g.face_shape(a), np.uint8) for a in range(g.dimension)]
-        self.resisted = g.faces()  # share of the old velocity that the drag takes
+        self.resisted = g.faces() if self.porous else []  # share of the old velocity that the drag takes
         self.old_velocity = g.faces()
         self.acceleration = g.faces()
         self.nu = g.cells(viscosity)  # kinematic viscosity with the eddies' [m2/s]
         self.pressure = g.cells()  # p / rho [m2/s2]
         self.psi = g.cells()  # potential of the position correction [m2]
         self.extra: Faces = []  # further accelerations on the faces [m/s2]; empty: none
-        self.coefficient = g.faces()
+        self.coefficient = self.face_work  # of a pressure system; the solver copies it
         self.dirichlet = g.cells()
         self.rhs = g.cells()
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
@@ -81,7 +81,7 @@ class Flow:
         self.push: Faces = []  # their accelerations [m/s2]
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
         self.linear = medium.darcy  # that with the structure's [1/s]
-        self.open_faces = [f.copy() for f in medium.open_faces]  # less what gates close
+        self.open_faces = [medium.open_faces[0].copy(), *medium.open_faces[1:]]  # less what gates close, all across x
 
         solver = _core.PressureSolver2 if g.dimension == 2 else _core.PressureSolver3
         self.solver = solver(g.core)
@@ -107,7 +107,7 @@ class Flow:
         across interfaces of any slope, where a sum over particles differs from the integral by 1e-3.
         """
         flood = seed(self.grid, self.medium, [Box((0.0,) * self.grid.dimension, self.grid.size)])
-        order, cell = np.zeros(len(flood), np.int64), np.zeros(len(flood), np.int64)
+        order, cell = np.zeros(len(flood), np.int32), np.zeros(len(flood), np.int32)
         core, start = self.grid.core, np.zeros_like(self.start)
         _core.cell_sort(core, flood.position, cell, order, start)
         capacity = self.grid.cells()
@@ -125,11 +125,10 @@ class Flow:
     def refresh_particles(self) -> None:
         """Work space for the present number of particles."""
         n, d = self.particles.position.shape
-        self.cell, self.order = np.zeros(n, np.int64), np.zeros(n, np.int64)
-        self.spare = Particles(np.zeros((n, d)), np.zeros((n, d)), np.zeros(n))  # the sorted ones go there
+        self.cell, self.order = np.zeros(n, np.int32), np.zeros(n, np.int32)
+        self.spare = {(n, d): np.empty((n, d)), (n,): np.empty(n)}  # where an array goes when it is sorted
         self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
         self.bulk = self.particles.volume.copy()  # V / n [m^d]
-        self.shift = np.zeros((n, d))
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
         self.inertia: FloatArray | None = np.ones(n) if self.porous else None
 

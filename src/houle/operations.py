@@ -19,11 +19,13 @@ MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
-    p, q = flow.particles, flow.spare
+    p = flow.particles
     _core.cell_sort(flow.grid.core, p.position, flow.cell, flow.order, flow.start)
     for name in ("position", "velocity", "volume"):
-        _core.permute(flow.order, getattr(p, name), getattr(q, name))
-    flow.particles, flow.spare = q, p
+        values = getattr(p, name)
+        ordered, flow.spare[values.shape] = flow.spare[values.shape], values
+        _core.permute(flow.order, values, ordered)
+        setattr(p, name, ordered)
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[flow.order]
     flow.sample_medium()
@@ -217,6 +219,4 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         flow.face_work, flow.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, flow.face_work, flow.valid)
-    _core.displace(
-        g.core, flow.face_work, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position, flow.shift
-    )
+    _core.displace(g.core, flow.face_work, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position)

@@ -83,6 +83,10 @@ class Flip(Pic):
         super().__init__()
         self.share = share
 
+    def to_grid(self, flow: Flow) -> None:
+        flow.drag = flow.drag or flow.grid.faces(1.0)
+        super().to_grid(flow)
+
     def to_particles(self, flow: Flow) -> None:
         _core.to_particles(
             *_cloud(flow), flow.velocity, flow.velocity_change(), flow.drag, self.share, flow.particles.velocity

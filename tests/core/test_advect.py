@@ -46,11 +46,10 @@ def test_motion_against_the_twin(grid, random, porous, obstructed):
     found = move(grid, u, dt, x, porosity, distance, gates, own, own_porosity)  # the first stage known already
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
-    new, shift = x.copy(), np.empty_like(x)
-    _core.displace(grid.core, u, porosity, distance, gates, 0.1, new, shift)
+    new = x.copy()
+    _core.displace(grid.core, u, porosity, distance, gates, 0.1, new)
     expected = reference.displace(grid, u, porosity, distance, gates, 0.1, x)
     np.testing.assert_allclose(new, expected, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(shift, new - x, rtol=0, atol=1e-15)
 
     velocity = random.normal(size=x.shape)
     n = random.uniform(0.3, 1.0, len(x)) if porous else None

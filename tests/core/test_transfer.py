@@ -138,7 +138,7 @@ def test_cells_against_the_twin(grid, random):
 @given(grids(), randoms, st.integers(0, 200))
 def test_particles_are_sorted_by_cell_and_stay_in_order_within(grid, random, count):
     x = random.uniform(-0.2, 1.2, (count, grid.dimension)) * grid.size  # those outside count for the nearest cell
-    (cell, order), start = np.zeros((2, count), np.int64), np.zeros(np.prod(grid.shape) + 1, np.int64)
+    (cell, order), start = np.zeros((2, count), np.int32), np.zeros(np.prod(grid.shape) + 1, np.int64)
     _core.cell_sort(grid.core, x, cell, order, start)
     index = np.clip(np.floor(x / grid.spacing).astype(int), 0, np.array(grid.shape) - 1)
     number = np.ravel_multi_index(tuple(index.T), grid.shape)
