@@ -22,6 +22,10 @@ using namespace nb::literals;
 
 template <class T>
 using Array = nb::ndarray<T, nb::c_contig, nb::device::cpu>;  // any shape; checked by the helpers below
+using Field = Array<double>;
+using OptionalField = std::optional<Field>;
+
+inline const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
 
 template <int D>
 inline void require_cells(const Grid<D>& g, std::size_t size, const char* name) {
@@ -53,6 +57,18 @@ inline void require_size(std::size_t size, index n, const char* name) {
   if (static_cast<index>(size) != n)
     throw std::invalid_argument(std::string(name) + " has " + std::to_string(size) + " entries, expected " +
                                 std::to_string(n));
+}
+
+template <int D>
+inline void require_columns(const Grid<D>& g, std::size_t size, const char* name) {
+  require_size(size, g.cells() / g.shape[D - 1], name);
+}
+
+// Where the particles of each cell begin, as cell_sort leaves it.
+template <int D>
+inline void require_start(const Grid<D>& g, const Array<std::int64_t>& start, index particles) {
+  require_size(start.size(), g.cells() + 1, "start");
+  if (start.data()[g.cells()] != particles) throw std::invalid_argument("start does not fit the particles");
 }
 
 // each bind_*.cpp fills the module for D = 2 and D = 3 (overloads told apart by Grid2 / Grid3)

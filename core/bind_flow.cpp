@@ -6,12 +6,8 @@
 
 namespace houle {
 
-using Field = Array<double>;
 using Mask = Array<std::uint8_t>;
-using OptionalField = std::optional<Field>;
 using FaceFields = std::vector<Field>;  // empty: null
-
-static const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
 
 template <int D>
 static ConstFaces<D> optional_faces(const Grid<D>& g, FaceFields& f, const char* name) {
@@ -48,8 +44,8 @@ static void bind(nb::module_& m) {
       [](G g, Array<std::int64_t> start, Field x, Field bulk, Field height) {
         const index n = points_of<D>(x, "position");
         require_size(bulk.size(), n, "bulk");
-        require_size(start.size(), g.cells() + 1, "start");
-        require_size(height.size(), g.cells() / g.shape[D - 1], "height");
+        require_start(g, start, n);
+        require_columns(g, height.size(), "height");
         nb::gil_scoped_release release;
         column_heights<D>(g, start.data(), x.data(), bulk.data(), height.data());
       },
@@ -62,7 +58,7 @@ static void bind(nb::module_& m) {
         require_cells(g, tent_volume.size(), "tent volume");
         require_size(start.size(), count + 1, "start");
         require_size(pieces.size(), 5 * start.data()[count], "pieces");
-        require_size(level.size(), g.cells() / g.shape[D - 1], "level");
+        require_columns(g, level.size(), "level");
         nb::gil_scoped_release release;
         column_levels<D>(g, tent_volume.data(), count, column.data(), start.data(),
                          reinterpret_cast<const CapacityPiece*>(pieces.data()), level.data());
@@ -76,9 +72,9 @@ static void bind(nb::module_& m) {
         require_cells(g, open.size(), "open");
         require_cells(g, depth.size(), "depth");
         require_cells(g, active.size(), "active");
-        require_size(column.size(), g.cells() / g.shape[D - 1], "column");
-        require_size(level.size(), g.cells() / g.shape[D - 1], "level");
-        require_size(eta.size(), g.cells() / g.shape[D - 1], "eta");
+        require_columns(g, column.size(), "column");
+        require_columns(g, level.size(), "level");
+        require_columns(g, eta.size(), "eta");
         nb::gil_scoped_release release;
         find_surface<D>(g, fill.data(), open.data(), level.data(), columns, depth.data(), active.data(), column.data(),
                         eta.data());
@@ -159,7 +155,7 @@ static void bind(nb::module_& m) {
       "continue_upwards",
       [](G g, int layers, Mask active, Field column, FaceFields u) {
         require_cells(g, active.size(), "active");
-        require_size(column.size(), g.cells() / g.shape[D - 1], "column");
+        require_columns(g, column.size(), "column");
         const auto uu = faces_of(g, u, "velocity");
         nb::gil_scoped_release release;
         continue_upwards<D>(g, layers, active.data(), column.data(), uu);
@@ -226,7 +222,7 @@ static void bind(nb::module_& m) {
         require_cells(g, open.size(), "open");
         require_cells(g, rhs.size(), "rhs");
         require_cells(g, depth.size(), "depth");
-        require_size(column.size(), g.cells() / g.shape[D - 1], "column");
+        require_columns(g, column.size(), "column");
         nb::gil_scoped_release release;
         density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity),
                           omega, rhs.data());

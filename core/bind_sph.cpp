@@ -28,9 +28,7 @@ template <int D>
 static Neighbours<D> neighbours(const Grid<D>& g, const Walls<D>& walls, const Array<double>& x,
                                 const Array<std::int64_t>& start) {
   const index n = points_of<D>(x, "position");
-  require_size(start.size(), g.cells() + 1, "cell_start");
-  if (start.data()[0] != 0 || start.data()[g.cells()] != n)
-    throw std::invalid_argument("cell_start does not fit the particles");
+  require_start(g, start, n);
   return {g, walls, n, x.data(), start.data()};
 }
 

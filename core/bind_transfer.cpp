@@ -4,11 +4,6 @@
 
 namespace houle {
 
-using Field = Array<double>;
-using OptionalField = std::optional<Array<double>>;
-
-static const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
-
 // Calls f with the kernel of that name as a value.
 template <class F>
 static void with_kernel(const std::string& name, F f) {
@@ -51,7 +46,7 @@ static void bind(nb::module_& m) {
       [](G g, Array<std::int64_t> start, Field x, Field amount, Field out) {
         const index n = points_of<D>(x, "position");
         require_size(amount.size(), n, "amount");
-        require_size(start.size(), g.cells() + 1, "start");
+        require_start(g, start, n);
         require_cells(g, out.size(), "out");
         nb::gil_scoped_release release;
         scatter_cells<D>(g, start.data(), x.data(), amount.data(), out.data());

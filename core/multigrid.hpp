@@ -1,0 +1,257 @@
+// The multigrid cycle that preconditions the pressure solver, in single precision.
+//
+// * A level coarsens 2 x 2 (x 2) cells into one; transfers are piecewise constant. A coarse face is the sum of the fine
+//   ones, each in series with half a fine cell on either side where there is one (k / 2 inside uniform water, more next
+//   to a surface or wall that cuts a coarse cell short), so every level keeps the 2 D-neighbour stencil.
+// * The smoother is red-black Gauss-Seidel, in the reverse order after the coarse correction: the cycle is symmetric.
+// * Cells of one colour that were just relaxed have no residual, and the first half sweep after a correction overwrites
+//   that colour: so only red residuals are restricted and only red cells receive the correction.
+#pragma once
+
+#include <limits>
+
+#include "pencils.hpp"
+
+namespace houle::multigrid {
+
+template <int D, class Real>
+struct Level {
+  Layout<D> layout;
+  std::array<Field<Real>, D> k;  // of the lower face of each cell along each axis
+  Field<Real> e, d, inverse;     // d = e + sum of k; inverse = 1 / d, zero outside the active cells
+  Field<Real> x, b, r;
+
+  Level(const std::array<index, D>& shape, const std::array<bool, D>& periodic) : layout(shape, periodic) {
+    for (auto& f : k) f.allocate(layout.size);
+    for (auto* f : {&e, &d, &inverse, &x, &b, &r}) f->allocate(layout.size);
+  }
+
+  void clear(const Pencil& now, index p) {
+    if (layout.shrinks(now, p)) {
+      for (auto& f : k) layout.clear(f, now, p);
+      for (auto* f : {&e, &d, &inverse, &x, &b, &r}) layout.clear(*f, now, p);
+    }
+    layout.old_begin[p] = now.begin;
+    layout.old_end[p] = now.end;
+  }
+
+  void invert() {
+    auto* self = this;
+    for_rows(layout, [=](const Pencil& row) {
+      for (int c = 0; c < 2; ++c) {
+        const Real* d = self->d.c[c] + row.at;
+        Real* inverse = self->inverse.c[c] + row.at;
+        HOULE_INDEPENDENT
+        for (index m = row.lo; m < row.hi; ++m) inverse[m] = d[m] > 0 ? 1 / d[m] : 0;
+      }
+    });
+  }
+
+  void relax_zero(int colour) {  // the half sweep that starts from x = 0
+    const Real *inverse = this->inverse.c[colour], *b = this->b.c[colour];
+    Real *x = this->x.c[colour], *rest = layout.odd ? this->x.c[1 - colour] : nullptr;
+    sweep(layout, colour, [=](auto, index first, index n) {
+      HOULE_INDEPENDENT
+      for (index i = first; i < first + n; ++i) x[i] = inverse[i] * b[i];
+      if (rest) std::fill(rest + first, rest + first + n, Real(0));
+    });
+  }
+
+  void relax(int colour) {
+    exchange(layout, x, 1 - colour);
+    const Star<D, Real> star(layout, k, x, colour);
+    const Real *inverse = this->inverse.c[colour], *b = this->b.c[colour];
+    Real* x = this->x.c[colour];
+    sweep(layout, colour, [=](auto s, index first, index n) {
+      HOULE_INDEPENDENT
+      for (index i = first; i < first + n; ++i) x[i] = inverse[i] * (b[i] + star(s, i));
+    });
+  }
+
+  void residual(int colour) {
+    exchange(layout, x, 1 - colour);
+    const Star<D, Real> star(layout, k, x, colour);
+    const Real *d = this->d.c[colour], *b = this->b.c[colour], *x = this->x.c[colour];
+    Real* r = this->r.c[colour];
+    sweep(layout, colour, [=](auto s, index first, index n) {
+      HOULE_INDEPENDENT
+      for (index i = first; i < first + n; ++i) r[i] = d[i] > 0 ? b[i] + star(s, i) - d[i] * x[i] : 0;
+    });
+  }
+};
+
+// The pencils of the finer level that one coarse pencil is made of.
+template <int D>
+inline std::array<index, (1 << (D - 1))> children(const Layout<D>& fine, const Pencil& row) {
+  std::array<index, (1 << (D - 1))> at{};
+  for (int i = 0; i < (1 << (D - 1)); ++i) {
+    at[i] = row.child;
+    for (int a = 0; a < D - 1; ++a) at[i] += (i >> a & 1) * fine.step[a];
+  }
+  return at;
+}
+
+// A face between coarse cells stands for the fine face k in series with half a fine cell on either side, if there is
+// one: its coefficient is `below` or `above`. Never less than k / 2: weak faces inside must not uncouple strong ones.
+template <class Real>
+inline Real coupled(Real k, Real below, Real above) {
+  const Real least = std::max(k, std::numeric_limits<Real>::min());
+  const Real b = below > 0 ? least / std::max(least, below) : Real(0);
+  const Real a = above > 0 ? least / std::max(least, above) : Real(0);
+  return k / (1 + Real(0.5) * (a + b));
+}
+
+// Coarse coefficients from fine ones.
+template <int D, class Real>
+inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
+  Layout<D>& lf = fine.layout;
+  Layout<D>& lc = coarse.layout;
+  for (index p = 0; p < lc.pencils; ++p) {
+    const auto i = lc.place(p);
+    std::int32_t first = INT32_MAX, last = 0;
+    for (int child = 0; child < (1 << (D - 1)); ++child) {
+      index q = 0;
+      bool inside = true;
+      for (int a = 0; a < D - 1; ++a) {
+        const index j = 2 * i[a] + (child >> a & 1);
+        inside = inside && j < lf.n[a];
+        q = q * lf.n[a] + j;
+      }
+      if (!inside || lf.first[q] >= lf.last[q]) continue;
+      first = std::min(first, lf.first[q] / 2);
+      last = std::max(last, (lf.last[q] + 1) / 2);
+    }
+    lc.first[p] = std::min(first, last);
+    lc.last[p] = last;
+  }
+  auto *f = &fine, *c = &coarse;
+  parallel_for(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
+  lc.list(&lf);
+  for_rows(lc, [=](const Pencil& row) {
+    constexpr int pencils = 1 << (D - 1);
+    const auto child = children(f->layout, row);
+    for (int s = 0; s < 2; ++s) {
+      const int colour = (row.parity + s) & 1;
+      for (int i = 0; i < pencils; ++i) {
+        const int even = D == 2 ? i & 1 : (i ^ (i >> 1)) & 1;  // colour of its cells with even j
+        const index at = child[i] + s;
+        for (int a = 0; a < D - 1; ++a) {
+          if (i >> a & 1) continue;
+          Real* k = c->k[a].c[colour] + row.at;
+          for (int t = 0; t < 2; ++t) {
+            const Real* link = f->k[a].c[t] + at;
+            const Real* above = f->k[a].c[1 - t] + at + f->layout.step[a];
+            const Real* below = f->k[a].c[1 - t] + at - f->layout.step[a];
+            HOULE_INDEPENDENT
+            for (index m = row.begin; m < row.end; ++m)
+              k[m] = (i + t > 0 ? k[m] : Real(0)) + coupled(link[2 * m], below[2 * m], above[2 * m]);
+          }
+        }
+        Real* k = c->k[D - 1].c[colour] + row.at;
+        Real* e = c->e.c[colour] + row.at;
+        const Real* link = f->k[D - 1].c[even] + at;
+        const Real* inner = f->k[D - 1].c[1 - even] + at;
+        const Real* e0 = f->e.c[even] + at;
+        const Real* e1 = f->e.c[1 - even] + at;
+        HOULE_INDEPENDENT
+        for (index m = row.begin; m < row.end; ++m) {
+          k[m] = (i > 0 ? k[m] : Real(0)) + coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
+          e[m] = (i > 0 ? e[m] : Real(0)) + coupled(e0[2 * m], Real(0), inner[2 * m]) +
+                 coupled(e1[2 * m], Real(0), inner[2 * m]);
+        }
+      }
+    }
+    for (int a = 0; a < D; ++a) {  // one cell around a periodic axis: no neighbour but itself
+      if (c->layout.n[a] > 1) continue;
+      for (int colour = 0; colour < 2; ++colour)
+        std::fill(c->k[a].c[colour] + row.at + row.lo, c->k[a].c[colour] + row.at + row.hi, Real(0));
+    }
+  });
+  for (int a = 0; a < D; ++a)
+    for (int colour = 0; colour < 2; ++colour) exchange(lc, coarse.k[a], colour, a);
+  for_rows(lc, [=](const Pencil& row) {
+    for (int colour = 0; colour < 2; ++colour) {
+      const Level<D, Real>* level = c;
+      std::array<const Real*, 2 * D> k;
+      for (int a = 0; a < D; ++a) {
+        k[2 * a] = level->k[a].c[colour] + row.at;
+        const index up = a < D - 1 ? level->layout.step[a] : (row.parity + colour) & 1;
+        k[2 * a + 1] = level->k[a].c[1 - colour] + row.at + up;
+      }
+      const Real* e = level->e.c[colour] + row.at;
+      Real* d = level->d.c[colour] + row.at;
+      const index end = std::min<index>(row.end, (level->layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
+      HOULE_INDEPENDENT
+      for (index m = row.begin; m < end; ++m) {
+        Real sum = e[m];
+        for (int i = 0; i < 2 * D; ++i) sum += k[i][m];
+        d[m] = sum;
+      }
+    }
+  });
+  coarse.invert();
+}
+
+// coarse.b = sums of the residuals of fine. Black cells, relaxed last, have none, except at an odd periodic seam.
+template <int D, class Real>
+inline void restrict_residual(Level<D, Real>& fine, Level<D, Real>& coarse) {
+  auto* f = &fine;
+  auto* c = &coarse;
+  for (int colour = 0; colour < (fine.layout.odd ? 2 : 1); ++colour) {
+    fine.residual(colour);
+    for_rows(coarse.layout, [=](const Pencil& row) {
+      const auto child = children(f->layout, row);
+      for (int s = 0; s < 2; ++s) {
+        std::array<const Real*, (1 << (D - 1))> r;
+        for (std::size_t i = 0; i < r.size(); ++i) r[i] = f->r.c[colour] + child[i] + s;
+        Real* b = c->b.c[(row.parity + s) & 1] + row.at;
+        HOULE_INDEPENDENT
+        for (index m = row.begin; m < row.end; ++m) {
+          Real sum = r[0][2 * m] + r[1][2 * m];
+          if constexpr (D == 3) sum += r[2][2 * m] + r[3][2 * m];
+          b[m] = colour == 0 ? sum : b[m] + sum;
+        }
+      }
+    });
+  }
+}
+
+// fine.x += coarse.x; in the red cells only where the black ones are overwritten next.
+template <int D, class Real>
+inline void prolong(const Level<D, Real>& coarse, Level<D, Real>& fine) {
+  auto* f = &fine;
+  auto* c = &coarse;
+  for_rows(coarse.layout, [=](const Pencil& row) {
+    const Real* even = c->x.c[row.parity] + row.at;
+    const Real* odd = c->x.c[1 - row.parity] + row.at;
+    for (int colour = 0; colour < (f->layout.odd ? 2 : 1); ++colour)
+      for (index at : children(f->layout, row)) {
+        Real* x = f->x.c[colour] + at;
+        HOULE_INDEPENDENT
+        for (index m = row.begin; m < row.end; ++m) {
+          x[2 * m] += even[m];
+          x[2 * m + 1] += odd[m];
+        }
+      }
+  });
+}
+
+// One V-cycle for levels[i].x from levels[i].b, symmetric and positive definite. An even number of half sweeps.
+template <int D, class Real>
+inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
+  auto& level = levels[i];
+  if (i + 1 == levels.size()) {  // a single cell
+    level.relax_zero(0);
+    level.relax_zero(1);
+    return;
+  }
+  const int half_sweeps = i == 0 ? 4 : 6;
+  level.relax_zero(0);
+  for (int s = 1; s < half_sweeps; ++s) level.relax(s % 2);
+  restrict_residual(level, levels[i + 1]);
+  cycle(levels, i + 1);
+  prolong(levels[i + 1], level);
+  for (int s = 1; s <= half_sweeps; ++s) level.relax(s % 2);
+}
+
+}  // namespace houle::multigrid
