@@ -76,23 +76,34 @@ inline void parallel_for(index n, const Body& body, [[maybe_unused]] index grain
   run_share(0, n, body);
 }
 
-// Like parallel_for, for few and heavy iterations (slabs, columns): each is worth a thread.
-template <class Body>
-inline void parallel_for_heavy(index n, const Body& body) {
+// Calls body(i) for few and heavy i = 0..n-1 (slabs), colour by colour: no two of different colours at the same time.
+// place(i), growing from 0 to 1, tells where in the work i lies; a thread takes what lies in its share, always the
+// same.
+template <class Colour, class Place, class Body>
+inline void parallel_for_coloured(index n, int colours, Colour colour, Place place, const Body& body) {
+  const auto pass = [&](int now, index thread, index threads) {
+    for (index i = 0; i < n; ++i)
+      if (colour(i) == now &&
+          std::min(static_cast<index>(place(i) * static_cast<double>(threads)), threads - 1) == thread)
+        run_share(i, i + 1, body);
+  };
 #ifdef _OPENMP
   if (n > 1 && get_threads() > 1) {
-#pragma omp parallel for schedule(dynamic, 1)
-    for (index i = 0; i < n; ++i) run_share(i, i + 1, body);
+#pragma omp parallel
+    for (int now = 0; now < colours; ++now) {
+      pass(now, omp_get_thread_num(), omp_get_num_threads());
+#pragma omp barrier
+    }
     return;
   }
 #endif
-  run_share(0, n, body);
+  for (int now = 0; now < colours; ++now) pass(now, 0, 1);
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.
 template <class Result, class Body, class Combine>
 inline Result parallel_reduce(index n, Result start, Body body, Combine combine) {
-  constexpr index block = 2048;
+  constexpr index block = 512;
   const index blocks = (n + block - 1) / block;
   if (blocks <= 1) {
     Result r = start;

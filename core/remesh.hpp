@@ -91,31 +91,35 @@ class Slabs {
     count_ = nodes < 8 ? 1 : nodes / 8 * 2;  // even (periodic axes), each at least 4 nodes wide
     start_.assign(static_cast<std::size_t>(count_) + 1, 0);
     order_.resize(static_cast<std::size_t>(n));
-    std::vector<index> slab(static_cast<std::size_t>(n));
-    index* s = slab.data();
+    std::vector<std::int32_t> slab(static_cast<std::size_t>(n));
+    std::int32_t* s = slab.data();
     const index count = count_;
     parallel_for(n, [=, &l](index p) {
       const index i = static_cast<index>(l.scaled(0, x[p * D]) + 0.5);
-      s[p] = std::min(i, nodes - 1) * count / nodes;
+      s[p] = static_cast<std::int32_t>(std::min(i, nodes - 1) * count / nodes);
     });
     for (index p = 0; p < n; ++p) ++start_[slab[p] + 1];
     for (index c = 0; c < count_; ++c) start_[c + 1] += start_[c];
     std::vector<index> next(start_.begin(), start_.end() - 1);
-    for (index p = 0; p < n; ++p) order_[next[slab[p]]++] = p;
+    for (index p = 0; p < n; ++p) order_[next[slab[p]]++] = static_cast<std::int32_t>(p);
   }
   template <class Body>
   void scatter(Body body) const {  // body(p) for every particle
-    const index *start = start_.data(), *order = order_.data();
-    for (index colour = 0; colour < 2; ++colour)
-      parallel_for_heavy((count_ + 1 - colour) / 2, [=](index i) {
-        const index s = 2 * i + colour;
-        for (index q = start[s]; q < start[s + 1]; ++q) body(order[q]);
-      });
+    const index* start = start_.data();
+    const std::int32_t* order = order_.data();
+    const double all = static_cast<double>(std::max<index>(1, start_[count_]));
+    parallel_for_coloured(
+        count_, 2, [](index s) { return static_cast<int>(s % 2); },
+        [=](index s) { return 0.5 * static_cast<double>(start[s] + start[s + 1]) / all; },
+        [=](index s) {
+          for (index q = start[s]; q < start[s + 1]; ++q) body(order[q]);
+        });
   }
 
  private:
   index count_;
-  std::vector<index> start_, order_;
+  std::vector<index> start_;
+  std::vector<std::int32_t> order_;
 };
 
 template <int D>

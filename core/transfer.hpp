@@ -54,14 +54,13 @@ template <int D, class Slab>
 inline void each_slab(const Grid<D>& g, const std::int64_t* start, const Slab& slab) {
   constexpr index columns = 8;  // at least twice the reach of the widest kernel
   const index nx = g.shape[0], plane = g.cells() / nx, slabs = std::max<index>(1, nx / columns);
-  const auto range = [=](index s) {
-    const index a = s * columns, b = s == slabs - 1 ? nx : (s + 1) * columns;
-    slab(start[a * plane], start[b * plane]);
+  const auto first = [=](index s) { return start[(s == slabs ? nx : s * columns) * plane]; };
+  const auto colour = [=](index s) {  // the last of an odd number of slabs around a periodic axis touches the first
+    return g.periodic[0] && slabs % 2 == 1 && s == slabs - 1 ? 2 : static_cast<int>(s % 2);
   };
-  const index paired = g.periodic[0] && slabs % 2 == 1 ? slabs - 1 : slabs;  // the odd one out wraps onto the first
-  parallel_for_heavy((paired + 1) / 2, [=](index k) { range(2 * k); });
-  parallel_for_heavy(paired / 2, [=](index k) { range(2 * k + 1); });
-  if (paired < slabs) range(slabs - 1);
+  const double all = static_cast<double>(std::max<index>(1, first(slabs)));
+  const auto place = [=](index s) { return 0.5 * static_cast<double>(first(s) + first(s + 1)) / all; };
+  parallel_for_coloured(slabs, 3, colour, place, [=](index s) { slab(first(s), first(s + 1)); });
 }
 
 // On a periodic axis the last face is the first.
