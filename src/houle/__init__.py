@@ -11,7 +11,6 @@ Importing houle is cheap; NumPy and the numerical core are loaded when one of th
 
 from __future__ import annotations
 
-import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +18,6 @@ if TYPE_CHECKING:
     from houle.case import Case, load
     from houle.errors import CaseError, HouleError, SimulationError
     from houle.runner import Run, open_run, resume, run
-
-# GNU OpenMP: a thread waits 1/10 ms for work before it sleeps, not several ms. On a busy machine threads that wait in a
-# loop keep from their core the one they wait for: two threads then ran up to ten times slower than one.
-if "OMP_WAIT_POLICY" not in os.environ:
-    os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
 __all__ = ["Case", "CaseError", "HouleError", "Run", "SimulationError", "load", "open_run", "resume", "run"]
 
