@@ -64,7 +64,7 @@ class Flow:
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
         self.mobility = g.faces()  # factor of grad p in the projection [s]
         self.valid = [np.zeros(g.face_shape(a), np.uint8) for a in range(g.dimension)]
-        self.resisted = g.faces() if self.porous else []  # share of the old velocity that the drag takes
+        self.resisted: Faces = []  # share of the old velocity that the drag takes, where there is any
         self.old_velocity = g.faces()
         self.acceleration = g.faces()
         self.nu = g.cells(viscosity)  # kinematic viscosity with the eddies' [m2/s]

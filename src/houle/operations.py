@@ -119,6 +119,8 @@ def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
     resists = flow.porous or flow.damping
+    if resists:
+        flow.resisted = flow.resisted or flow.grid.faces()
     resistance = (m.inertia, flow.linear, m.forchheimer, m.inverse_n2) if resists else ([], [], [], None)
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     _core.apply_forces(
