@@ -119,7 +119,6 @@ class Flow:
         """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
         self.damping = rate
         self.linear = [a + s for a, s in zip(self.medium.darcy, rate, strict=True)]
-        self.resisted = self.resisted or self.grid.faces()
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
