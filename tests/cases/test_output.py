@@ -355,8 +355,7 @@ FILL_THE_DISK = """
     save_checkpoint({folder!r}, 1, {{"a": [1.0] * 100}}, {{}})
     outputs.append_frame(made_frame(grid, 1))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
-    for action in (outputs.fields.commit, outputs.surface.commit, outputs.close,
-                   lambda: outputs.append_frame(made_frame(grid, 2)),
+    for action in (outputs.fields.commit, outputs.surface.commit, outputs.close, outputs.fields.commit,
                    lambda: save_checkpoint({folder!r}, 2, {{"a": [1.0] * 10000}}, {{}})):
         try:
             action()

@@ -19,6 +19,7 @@ For the runner (every failure of the file system is an OutputError: one message 
     write_manifest(directory, manifest)             run.json; read_manifest(directory)
 
     read_series(directory), read_surface(directory) xarray.Dataset, in memory; the files are closed
+    series_table(directory), surface_table(directory)   the same as Table, for who has no time to import xarray
     read_fields(directory)                          FieldsReader: .times, .nearest(time), .frame(i)
 
 Pictures and films import matplotlib, so import them late:
@@ -42,8 +43,9 @@ from houle.output.atomic import OutputError
 from houle.output.checkpoint import Checkpoint, checkpoints, load_newest, save_checkpoint
 from houle.output.fields import FieldsReader, FieldsWriter, read_fields
 from houle.output.manifest import collect, read_manifest, summarise, write_manifest
-from houle.output.series import SeriesWriter, read_series
-from houle.output.surface import SurfaceWriter, read_surface
+from houle.output.netcdf import Table
+from houle.output.series import SeriesWriter, read_series, series_table
+from houle.output.surface import SurfaceWriter, read_surface, surface_table
 
 __all__ = [
     "Checkpoint",
@@ -53,6 +55,7 @@ __all__ = [
     "Outputs",
     "SeriesWriter",
     "SurfaceWriter",
+    "Table",
     "checkpoints",
     "collect",
     "load_newest",
@@ -61,7 +64,9 @@ __all__ = [
     "read_series",
     "read_surface",
     "save_checkpoint",
+    "series_table",
     "summarise",
+    "surface_table",
     "write_manifest",
 ]
 

@@ -1,18 +1,18 @@
 """fields.vtkhdf: particles and grid at each output time, readable at any moment of the run (structure: vtkhdf.py).
 
-HDF5 cannot append safely: a process killed while it writes may leave a file that nobody opens. So each frame goes whole
-into a small file of its own in the hidden folder `.fields`; `commit` replaces fields.vtkhdf by an index of virtual
-datasets that point there (a few kilobytes); `close` packs everything into one real file by copying the compressed
-chunks as they are, then removes the folder. The cost is linear in the number of frames.
+HDF5 cannot append safely: a process killed while it writes may leave a file that nobody opens. So frames are kept in
+memory, compressed; `commit` puts them whole into a new file in the hidden folder `.fields` and replaces fields.vtkhdf
+by an index of virtual datasets that point there (a few kilobytes); `close` packs everything into one real file by
+copying the compressed chunks as they are, then removes the folder. The cost is linear in the number of frames.
 """
 
 from __future__ import annotations
 
-import itertools
 import os
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import h5py
@@ -21,7 +21,8 @@ import numpy as np
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
 from houle.output.atomic import OutputError, reported
-from houle.output.surface import read_surface
+from houle.output.netcdf import Table
+from houle.output.surface import surface_table
 from houle.output.vtkhdf import (
     CELL_DATA,
     PARTS,
@@ -29,12 +30,13 @@ from houle.output.vtkhdf import (
     POINTS,
     Stored,
     assemble,
+    compress,
     frames_in,
     read_values,
-    write_part,
 )
 
 NAME = "fields.vtkhdf"
+MOST = 64e6  # bytes of compressed frames in memory
 
 
 class FieldsWriter:
@@ -44,35 +46,37 @@ class FieldsWriter:
         self.path = Path(directory) / NAME
         self.parts = self.path.with_name(PARTS)
         self.grid, self.attributes = grid, dict(attributes)
-        self.frames: list[Stored] = []
-        self._dirty = self._started = False
+        self.frames: list[Stored] = []  # on the disk, in parts
+        self.pending: list[Stored] = []  # in memory, after them
+        self._held, self._indexed = 0, 0  # bytes in memory; frames in fields.vtkhdf
+        self._started = False
 
     def append(self, frame: Frame) -> None:
-        """Store one frame, float32 and compressed. The first one of a new run clears what an older run left."""
-        if not self._started:
-            with reported(self.parts):
-                shutil.rmtree(self.parts, ignore_errors=True)
-            self._started = True
-        target = self.parts / f"{len(self.frames):06d}.h5"
-        self.frames.append(write_part(target, frame))
-        self._dirty = True
+        """One more frame, float32 and compressed; too many in memory go to the disk."""
+        self.pending.append(compress(frame))
+        self._held += self.pending[-1].size
+        if self._held > MOST:
+            self._part()
 
     def commit(self) -> None:
         """fields.vtkhdf shows every frame, by reference."""
-        if self._dirty:
-            assemble(self.path, self.frames, self.grid, self.attributes, packed=False)
-            self._dirty = False
+        if self.pending:
+            self._part()
+        if self._indexed != len(self.frames):
+            self._index()
 
     def close(self) -> None:
         """fields.vtkhdf holds every frame and needs no other file. If there is no room, it goes on by reference."""
-        if self.frames and self.parts.exists():
-            try:
-                assemble(self.path, self.frames, self.grid, self.attributes, packed=True)
-            except OutputError:
-                self.commit()
-                raise
-            shutil.rmtree(self.parts, ignore_errors=True)
-        self._dirty = False
+        if not self.pending and not self.parts.exists():
+            return
+        frames = [*self.frames, *self.pending]
+        try:
+            assemble(self.path, frames, self.grid, self.attributes, packed=True)
+        except OutputError:
+            self.commit()
+            raise
+        self.frames, self.pending = frames_in(self.path), []
+        shutil.rmtree(self.parts, ignore_errors=True)
 
     def truncate_after(self, time: float) -> None:
         """Go on with the frames on disk that are not after `time` [s]; the later ones are forgotten."""
@@ -81,17 +85,42 @@ class FieldsWriter:
             shutil.rmtree(self.parts, ignore_errors=True)
             with reported(self.parts):
                 self.parts.mkdir()
-                _link(self.path, self.parts / "packed.h5")
-        with reported(self.parts):
-            stored = sorted(
-                itertools.chain.from_iterable(map(frames_in, self.parts.glob("[!.]*.h5"))), key=lambda f: f.time
-            )
+                _link(self.path, self._part_of(0))
+        stored = self._stored()
         self.frames = [frame for frame in stored if frame.time <= time * (1 + 1e-12)]
-        self._dirty = bool(self.frames)
-        self.commit()  # before the later ones go: the file must not point at what is not there
+        if self.frames:
+            self._index()  # before the later ones go: the file must not point at what is not there
         with reported(self.parts):
             for path in {frame.path for frame in stored} - {frame.path for frame in self.frames}:
                 path.unlink()
+
+    def _part(self) -> None:
+        """The frames in memory go to a file of their own. The first one of a new run clears what an older run left."""
+        if not self._started:
+            with reported(self.parts):
+                shutil.rmtree(self.parts, ignore_errors=True)
+            self._started = True
+        path = self._part_of(len(self.frames))
+        assemble(path, self.pending, self.grid, self.attributes, packed=True)
+        self.frames += frames_in(path)
+        self.pending, self._held = [], 0
+
+    def _index(self) -> None:
+        assemble(self.path, self.frames, self.grid, self.attributes, packed=False)
+        self._indexed = len(self.frames)
+
+    def _part_of(self, number: int) -> Path:
+        """The part that begins with this frame."""
+        return self.parts / f"{number:06d}.h5"
+
+    def _stored(self) -> list[Stored]:
+        """The frames of all parts. A run that was cut back left frames in a part that a later part holds again."""
+        found: list[Stored] = []
+        with reported(self.parts):
+            for path in sorted(self.parts.glob("[!.]*.h5")):
+                part = frames_in(path)
+                found = [frame for frame in found if frame.time < part[0].time] + part
+        return found
 
 
 @dataclass(frozen=True)
@@ -127,8 +156,23 @@ class FieldsReader:
             cell_fill=values[f"{CELL_DATA}/fill"],
             cell_velocity=values[f"{CELL_DATA}/velocity"],
             cell_porosity=values[f"{CELL_DATA}/porosity"],
-            eta=_eta(self.path.parent, stored.time, self.grid),
+            eta=self._eta(stored.time),
         )
+
+    @cached_property
+    def _surface(self) -> Table | None:
+        try:
+            return surface_table(self.path.parent)
+        except OutputError:
+            return None
+
+    def _eta(self, time: float) -> FloatArray:
+        """The profile of surface.nc at a time, NaN when there is none."""
+        if self._surface is not None:
+            near = np.flatnonzero(np.isclose(self._surface["time"].values, time, rtol=1e-12, atol=1e-12))
+            if near.size:
+                return self._surface["eta"].values[near[0]].T
+        return self.grid.cells(np.nan)[..., 0]
 
 
 def read_fields(directory: Path) -> FieldsReader:
@@ -157,13 +201,3 @@ def _link(source: Path, target: Path) -> None:
         os.link(source, target)
     except OSError:
         shutil.copyfile(source, target)
-
-
-def _eta(directory: Path, time: float, grid: Grid) -> FloatArray:
-    """The profile of surface.nc at a time, NaN when there is none."""
-    try:
-        surface = read_surface(directory)
-    except OutputError:
-        return grid.cells(np.nan)[..., 0]
-    near = np.flatnonzero(np.isclose(surface.time.values, time, rtol=1e-12, atol=1e-12))
-    return surface.eta.values[near[0]].T if near.size else grid.cells(np.nan)[..., 0]

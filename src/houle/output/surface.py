@@ -4,64 +4,54 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
 
 from houle.fields import find
 from houle.frame import Frame
-from houle.grid import Grid
-from houle.output.series import describe, read_dataset, write_dataset
+from houle.grid import FloatArray, Grid
+from houle.output import netcdf
+from houle.output.netcdf import Table, Variable
+from houle.output.series import describe
+
+if TYPE_CHECKING:
+    import xarray
 
 NAME = "surface.nc"
 
 
-class SurfaceWriter:
-    """The profiles are kept and the whole file is written at each commit."""
+class SurfaceWriter(netcdf.Growing):
+    """A row is a profile; plan axes are turned round, so that x is the last one as in other gridded data."""
 
     def __init__(self, directory: Path, grid: Grid, attributes: Mapping[str, str]) -> None:
-        self.path = Path(directory) / NAME
-        self.grid, self.attributes = grid, dict(attributes)
-        self.times: list[float] = []
-        self.rows: list[NDArray] = []
-        self._committed = -1
+        super().__init__(Path(directory) / NAME, attributes)
+        self.grid = grid
 
     def append(self, frame: Frame) -> None:
-        """One profile; plan axes are turned round, so that x is the last one as in other gridded data."""
+        """One profile."""
         self.times.append(float(frame.time))
         self.rows.append(np.array(frame.eta, dtype=float).T)
 
-    def dataset(self) -> xr.Dataset:
-        """All profiles so far."""
-        plan = ("y", "x") if self.grid.dimension == 3 else ("x",)
-        shape = (len(self.rows), *self.grid.shape[:-1][::-1])
-        eta = np.stack(self.rows) if self.rows else np.zeros(shape)
-        coordinates: dict[str, Any] = {"time": ("time", self.times, describe(find("time"), self.grid.dimension))}
+    def table(self) -> Table:
+        d, plan = self.grid.dimension, ("y", "x")[3 - self.grid.dimension :]
+        eta = np.array(self.rows).reshape(len(self.rows), *self.grid.shape[:-1][::-1])
+        coordinates = {"time": Variable(("time",), np.array(self.times), describe(find("time"), d))}
         for axis, name in enumerate(plan[::-1]):
             attributes = {"units": "m", "long_name": f"{name} of the cell centres", "axis": name.upper()}
-            coordinates[name] = (name, self.grid.axis_points(axis), attributes)
-        variables = {"eta": (("time", *plan), eta, describe(find("eta", "surface"), self.grid.dimension))}
-        return xr.Dataset(variables, coordinates, {"Conventions": "CF-1.11", **self.attributes})
+            coordinates[name] = Variable((name,), self.grid.axis_points(axis), attributes)
+        variables = {"eta": Variable(("time", *plan), eta, describe(find("eta", "surface"), d))}
+        return Table(variables, coordinates, self.attributes)
 
-    def commit(self) -> None:
-        """Everything appended is in the file."""
-        if self._committed != len(self.rows):
-            write_dataset(self.path, self.dataset())
-            self._committed = len(self.rows)
-
-    close = commit
-
-    def truncate_after(self, time: float) -> None:
-        """Go on with the profiles of the file that are not after `time` [s]."""
-        stored = read_surface(self.path.parent)
-        keep = int(np.searchsorted(stored.time.values, time * (1 + 1e-12), side="right"))
-        self.times = stored.time.values[:keep].tolist()
-        self.rows = list(stored.eta.values[:keep])
-        self._committed = -1
+    def rows_of(self, stored: Table, count: int) -> list[FloatArray]:
+        return list(stored["eta"].values[:count])
 
 
-def read_surface(directory: Path) -> xr.Dataset:
+def read_surface(directory: Path) -> xarray.Dataset:
     """The profiles of a run, in memory. OutputError when there are none."""
-    return read_dataset(Path(directory) / NAME)
+    return netcdf.read_dataset(Path(directory) / NAME)
+
+
+def surface_table(directory: Path) -> Table:
+    """The same without xarray."""
+    return netcdf.read(Path(directory) / NAME)
