@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     import xarray
 
     from houle.case import Case
+    from houle.output import Table
+
+    Surface = xarray.Dataset | Table
 
 COLUMNS = ("t_s", "x_m", "eta_m")
 SAME = 1e-9  # s
@@ -68,23 +71,32 @@ def read(file: Path) -> Points:
     return Points(time[order], x[order], eta[order])
 
 
-def level(surface: xarray.Dataset, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def level(surface: Surface, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Computed level [m] at x: linear between wet columns, ends carried on; linear in time if no profile is at `time`.
 
     In 3D the mean over the wet columns across the width. NaN when all is dry.
     """
-    eta = surface.eta if "y" not in surface.eta.dims else surface.eta.mean("y")
-    near = _around(surface.time.values, time)
-    first, last = (_profile(surface.x.values, eta.values[i], x) for i in (near[0], near[-1]))
+    times, eta = surface["time"].values, surface["eta"].values
+    near = _around(times, time)
+    first, last = (_profile(surface["x"].values, along(eta[i]), x) for i in (near[0], near[-1]))
     if len(near) == 1:
         return first
-    start, stop = surface.time.values[near]
+    start, stop = times[near]
     return first + (time - start) / (stop - start) * (last - first)
 
 
-def score(points: Points, surface: xarray.Dataset) -> Score | None:
+def along(eta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A profile (nx,) as it is; of one over the plan (ny, nx) the mean of the wet columns across the width."""
+    if eta.ndim == 1:
+        return eta
+    wet = np.isfinite(eta)
+    count = wet.sum(axis=0)
+    return np.where(count > 0, np.where(wet, eta, 0.0).sum(axis=0) / np.maximum(count, 1), np.nan)
+
+
+def score(points: Points, surface: Surface) -> Score | None:
     """How far the run is from the laboratory at the times it has reached; None if it has reached none after 0."""
-    reached = [t for t in points.times if t <= surface.time.values[-1] + SAME]
+    reached = [t for t in points.times if t <= surface["time"].values[-1] + SAME]
     errors = [level(surface, t, points.x[points.time == t]) - points.eta[points.time == t] for t in reached]
     later = [e for t, e in zip(reached, errors, strict=True) if t > 0]
     if not later:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -207,7 +208,7 @@ class Simulation:
             "sponge_work": rho * ledger.sponge_work,
             "source_work": rho * ledger.source_work,
             "max_speed": float(speed.max()),
-            "courant": flow.courant(self.step_size),
+            "courant": float(np.max(speed / self.grid.spacing)) * self.step_size,
             "step_size": self.step_size,
             "particles": float(len(p)),
         }
@@ -222,9 +223,18 @@ class Simulation:
 
     def _mean_level(self) -> float:
         """Water under the free surface, in its pores, over the plan area [m]: the volume as the surface shows it."""
-        m, h = self.medium, self.grid.spacing[-1]
-        below = np.clip(self.flow.eta[..., None] / h - np.arange(self.grid.shape[-1]), 0.0, 1.0)
-        return float(np.nansum(below * m.porosity * m.open_cells)) * h / self.flow.eta.size
+        below, eta = self._room_below, self.flow.eta.ravel()
+        wet = np.flatnonzero(eta > 0.0)  # not where it is NaN, dry
+        top = np.minimum(eta[wet] / self.grid.spacing[-1], below.shape[1] - 1.0)  # [cells]
+        cell = np.minimum(top.astype(int), below.shape[1] - 2)
+        under = below[wet, cell]
+        return float(np.sum(under + (top - cell) * (below[wet, cell + 1] - under))) / eta.size
+
+    @cached_property
+    def _room_below(self) -> FloatArray:
+        """Height [m] of the water that fills each column up to its faces (columns, nz + 1)."""
+        room = (self.medium.porosity * self.medium.open_cells).reshape(-1, self.grid.shape[-1])
+        return np.pad(np.cumsum(room, axis=1), ((0, 0), (1, 0))) * self.grid.spacing[-1]
 
     def frame(self) -> Frame:
         """Everything the writers and the pictures need of this instant, as copies."""

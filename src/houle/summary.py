@@ -19,10 +19,12 @@ Rows = list[tuple[str, str]]
 
 def reference(run: Run) -> dict[str, Any] | None:
     """The score against the laboratory points of the case, in plain numbers; None if there are none to compare with."""
+    from houle.output import surface_table
+
     file = laboratory.path(run.case)
     if file is None or run.case.reference is None:
         return None
-    score = laboratory.score(laboratory.read(file), run.surface)
+    score = laboratory.score(laboratory.read(file), surface_table(run.directory))
     given = run.case.reference
     return None if score is None else {"label": given.label, "error": given.error, **asdict(score)}
 
