@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +12,16 @@ from numpy.typing import NDArray
 from houle.errors import CaseError
 
 if TYPE_CHECKING:
-    import xarray
-
     from houle.case import Case
-    from houle.output import Table
 
-    Surface = xarray.Dataset | Table
+
+class Data(Protocol):
+    """Variables by name, each with .values: an xarray.Dataset, or a Table of houle.output."""
+
+    def __getitem__(self, name: Any, /) -> Any: ...
+
+    def __contains__(self, name: Any, /) -> bool: ...
+
 
 COLUMNS = ("t_s", "x_m", "eta_m")
 SAME = 1e-9  # s
@@ -71,7 +75,7 @@ def read(file: Path) -> Points:
     return Points(time[order], x[order], eta[order])
 
 
-def level(surface: Surface, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def level(surface: Data, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Computed level [m] at x: linear between wet columns, ends carried on; linear in time if no profile is at `time`.
 
     In 3D the mean over the wet columns across the width. NaN when all is dry.
@@ -94,7 +98,7 @@ def along(eta: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(count > 0, np.where(wet, eta, 0.0).sum(axis=0) / np.maximum(count, 1), np.nan)
 
 
-def score(points: Points, surface: Surface) -> Score | None:
+def score(points: Points, surface: Data) -> Score | None:
     """How far the run is from the laboratory at the times it has reached; None if it has reached none after 0."""
     reached = [t for t in points.times if t <= surface["time"].values[-1] + SAME]
     errors = [level(surface, t, points.x[points.time == t]) - points.eta[points.time == t] for t in reached]

@@ -130,7 +130,8 @@ def draw(run: Run, session: Session) -> None:
     try:
         from houle.output import movie, pictures
 
-        pictures.write_pictures(run.directory, run.case, grid, run.series, run.surface, run.fields)
+        series, surface = session.outputs.series.table(), session.outputs.surface.table()
+        pictures.write_pictures(run.directory, run.case, grid, series, surface, run.fields)
         if run.case.output.movie:
             session.says.say("houle: drawing the film")
             movie.write_movie(run.directory / movie.NAME, run.case, grid, run.fields)

@@ -6,15 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from houle.frame import Frame
 from houle.grid import Grid
-from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
-from houle.output.section import Section, colour_bar, pressure_scale
+from houle.output.section import Section, colour_bar, highest_pressure
 
 NAME = "movie.mp4"
 BLOCK = 16  # pixels: encoders want sizes that are multiples of it
@@ -31,24 +28,22 @@ def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: floa
         raise OutputError(path, f"the package {error.name} is not installed", cure) from None
     frames = [fields.frame(i) for i in range(0, len(fields), max(1, len(fields) // 20))]  # some, for the scales
     section = Section(case, grid, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
-    scale = pressure_scale(frames)
+    top = highest_pressure(frames)
     options: Any = {"format": "FFMPEG", "mode": "I", "fps": rate, "quality": 8}
     get_writer: Any = imageio.get_writer
-    with drawing.style(), replacing(path) as temporary, get_writer(temporary, **options) as writer:
+    with replacing(path) as temporary, get_writer(temporary, **options) as writer:
         for i in range(len(fields)):
-            writer.append_data(_image(section, fields.frame(i), scale))
+            writer.append_data(_image(section, fields.frame(i), top))
     return path
 
 
-def _image(section: Section, frame: Frame, scale: Normalize) -> NDArray[np.uint8]:
+def _image(section: Section, frame: Frame, top: float) -> NDArray[np.uint8]:
     """One picture (height, width, 3)."""
     page = section.sheet(1, f"pressure of the particles  ·  t = {frame.time:.3f} s", below=0.45)
-    section.draw(page.panels[0], frame.time, over=True)
-    colour_bar(page, section.draw_particles(page.panels[0], frame, scale), "pressure [kPa]")
-    page.label_outside("x [m]", "z [m]")
-    page.figure.set_dpi(drawing.DPI)
-    canvas = FigureCanvasAgg(page.figure)
-    canvas.draw()
-    pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+    section.draw_particles(page.panels[0], frame, top)
+    section.draw_outlines(page.panels[0], frame.time, dashed=True)
+    page.frames("x [m]", "z [m]")
+    colour_bar(page, 0.0, top / 1e3, "pressure [kPa]")
+    pixels = np.asarray(page.canvas.image())
     more = [(0, -n % BLOCK) for n in pixels.shape[:2]]
     return np.pad(pixels, (*more, (0, 0)), constant_values=255)

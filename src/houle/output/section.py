@@ -6,17 +6,16 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection
-from matplotlib.colors import Normalize
 
 from houle.frame import Frame
 from houle.grid import Grid
 from houle.output import drawing
-from houle.output.drawing import Sheet, sheet
+from houle.output.canvas import DPI, pixels
+from houle.output.drawing import GREY, INK, TEXT, Panel, Sheet, sheet
 
 DRAWN = 40000  # particles in a panel; of more, every k-th is drawn, larger
 STRETCHED = 5.5  # longest panel, length over height; a longer flume is stretched upwards
+LARGER = 1.42  # diameter of a disc over the side of the square the particle fills: no gaps
 
 
 class Section:
@@ -39,58 +38,55 @@ class Section:
         size = (across, across / min(ratio, STRETCHED))
         if ratio > STRETCHED:
             words += f"  ·  heights stretched {ratio / STRETCHED:.2g} times"
-        return sheet(count, columns, size, title(self.case), words, margins=(0.62, 0.3, 0.5 + below, 0.95))
+        page = sheet(count, columns, size, title(self.case), words, margins=(0.62, 0.3, 0.5 + below, 0.95))
+        for panel in page.panels:
+            panel.limits((0.0, self.grid.size[0]), (0.0, self.height))
+        return page
 
-    def draw(self, panel: Axes, time: float, *, over: bool = False) -> None:
-        """Everything that stands still, and the gates as they are at this time [s]."""
-        panel.set(xlim=(0, self.grid.size[0]), ylim=(0, self.height))
-        panel.spines["right"].set_visible(True)
-        panel.locator_params(nbins=5)
-        drawing.draw_bodies(panel, self.porous, self.solid, over=over)
-        drawing.draw_gates(panel, self.case.gate, time, self.height)
+    def draw_water(self, panel: Panel, x: Any, level: Any) -> None:
+        """The water under a surface, in front of the ground of the bodies and behind their hatching."""
+        drawing.stones(panel, self.porous)
+        panel.canvas.under(panel.place(x, level), drawing.SHADE, panel.box)
+        drawing.hatches(panel, self.porous)
 
-    def draw_particles(self, panel: Axes, frame: Frame, scale: Normalize) -> EllipseCollection:
-        """Discs a little larger than the space the particles fill (bulk volume), so that the water is without gaps."""
+    def draw_particles(self, panel: Panel, frame: Frame, top: float) -> None:
+        """Discs a little larger than the space the particles fill (bulk volume); top: the largest pressure [Pa]."""
+        drawing.stones(panel, self.porous)
+        drawing.hatches(panel, self.porous)
         chosen = np.arange(len(frame.volume))
         if self.grid.dimension == 3:
             chosen = np.flatnonzero(np.abs(frame.position[:, 1] - self.y) <= 0.5 * self.grid.spacing[1])
         thin = max(1, -(-len(chosen) // DRAWN))
         chosen = chosen[::thin]
-        size = 1.42 * (frame.volume[chosen] / frame.porosity[chosen]) ** (1 / self.grid.dimension) * np.sqrt(thin)
-        marks = EllipseCollection(
-            size,
-            size,
-            np.zeros(len(chosen)),
-            units="xy",
-            offsets=frame.position[chosen][:, [0, -1]],
-            transOffset=panel.transData,
-            cmap=drawing.pressures(),
-            norm=scale,
-            linewidths=0,
-            zorder=2,
-        )
-        marks.set_array(frame.pressure[chosen] / 1e3)
-        panel.add_collection(marks)
-        return marks
+        side = (frame.volume[chosen] / frame.porosity[chosen]) ** (1 / self.grid.dimension)
+        radius = 0.5 * LARGER * side * np.sqrt(thin * np.prod(panel.scale))
+        centres = panel.place(frame.position[chosen, 0], frame.position[chosen, -1])
+        panel.canvas.discs(centres, radius, frame.pressure[chosen] / top, drawing.pressures(), panel.box)
+
+    def draw_outlines(self, panel: Panel, time: float, *, dashed: bool = False) -> None:
+        """What stands before the water, and the gates as they are at this time [s]."""
+        drawing.outline_bodies(panel, self.porous, self.solid, dashed=dashed)
+        drawing.draw_gates(panel, self.case.gate, time)
 
 
-def pressure_scale(frames: Iterable[Frame]) -> Normalize:
-    """[kPa] from 0 to the largest pressure, a few outliers left out."""
-    return Normalize(
-        0.0, max([1e-3, *(float(np.quantile(f.pressure, 0.999)) / 1e3 for f in frames if len(f.pressure))])
-    )
+def highest_pressure(frames: Iterable[Frame]) -> float:
+    """[Pa], a few outliers left out."""
+    return max([1.0, *(float(np.quantile(f.pressure, 0.999)) for f in frames if len(f.pressure))])
 
 
-def colour_bar(page: Sheet, marks: Any, words: str) -> None:
-    """A slim bar under the panels."""
-    width, height = page.figure.get_size_inches()
-    first = page.panels[0].get_position()
-    box = page.figure.add_axes((first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height))
-    bar = page.figure.colorbar(marks, cax=box, orientation="horizontal")
-    bar.outline.set_visible(False)
-    bar.ax.tick_params(length=2, labelsize=8)
-    bar.ax.locator_params(nbins=6)
-    bar.ax.text(1.03, 0.5, words, transform=bar.ax.transAxes, va="center", fontsize=8.5)
+def colour_bar(page: Sheet, low: float, high: float, words: str) -> None:
+    """A slim bar under the panels, for values from low to high."""
+    canvas, left, below = page.canvas, page.panels[0].box[0], page.canvas.box[3]
+    width, top = round(min(3.2 * DPI, 0.4 * canvas.box[2])), below - round(0.41 * DPI)
+    bottom = top + round(0.09 * DPI)
+    table = drawing.pressures()
+    canvas.colours[top:bottom, left : left + width] = table[np.linspace(0, len(table) - 1, width).round().astype(int)]
+    numbers, texts = drawing.ticks(low, high, 6)
+    for number, text in zip(numbers, texts, strict=True):
+        x = left + (width - 1) * (number - low) / (high - low)
+        canvas.rectangle((int(x), bottom, int(x) + 1, bottom + round(pixels(2.0))), GREY)
+        canvas.write(x, bottom + pixels(5.5), text=text, size=8, colour=INK, anchor="mt")
+    canvas.write(left + 1.03 * width, (top + bottom) / 2, text=words, size=TEXT, colour=INK, anchor="lm")
 
 
 def title(case: Any) -> str:
