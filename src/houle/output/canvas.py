@@ -227,14 +227,14 @@ def _set(picture: Image.Image, words: Words) -> None:
         picture.paste(words.colour, (x, y), small.transpose(Image.Transpose.ROTATE_90))
         return
     draw = ImageDraw.Draw(picture)
-    x = words.at[0] - {"l": 0.0, "m": 0.5, "r": 1.0}[words.anchor[0]] * width
+    left = words.at[0] - {"l": 0.0, "m": 0.5, "r": 1.0}[words.anchor[0]] * width
     for part, italic in _parts(words.text):
         kind = font(words.size, words.bold, italic)
         stroke: Any = {"stroke_width": 3, "stroke_fill": "white"} if words.halo else {}
         if words.halo:
-            draw.text((x, words.at[1]), part, "white", kind, "l" + words.anchor[1], **stroke)
-        draw.text((x, words.at[1]), part, words.colour, kind, "l" + words.anchor[1])
-        x += kind.getlength(part)
+            draw.text((left, words.at[1]), part, "white", kind, "l" + words.anchor[1], **stroke)
+        draw.text((left, words.at[1]), part, words.colour, kind, "l" + words.anchor[1])
+        left += kind.getlength(part)
 
 
 def _stretches(points: FloatArray) -> list[FloatArray]:

@@ -196,12 +196,13 @@ def _create(file: h5py.File, name: str, shape: tuple[int, ...], dtype: np.dtype,
 
 
 def _chunk(name: str, shape: tuple[int, ...], steps: int) -> tuple[int, ...]:
-    """Shape of a chunk: of a frame the same bytes in a file of one step and of many."""
+    """Shape of a chunk: of a frame the same bytes in a file of one step and of many; of a vector one component, for
+    neighbours of a kind compress better."""
     if "/particles/" in name:
-        return (ROWS, *shape[1:])
+        return (ROWS, *(1 for _ in shape[1:]))
     cells = shape[1:] if steps > 1 else shape
     size = 256 if cells[1] == 1 else 64
-    chunk = (*(min(n, size) for n in cells[:3]), *cells[3:])
+    chunk = (*(min(n, size) for n in cells[:3]), *(1 for _ in cells[3:]))
     return (1, *chunk) if steps > 1 else chunk
 
 
