@@ -1,4 +1,6 @@
 // The Python module houle._core: the grid, threads, and the functions of the bind_*.cpp files.
+#include <string>
+
 #include "bind.hpp"
 
 namespace houle {
@@ -19,6 +21,28 @@ static void bind_grid(nb::module_& m, const char* name) {
       .def_ro("periodic", &Grid<D>::periodic);
 }
 
+// How this module was built, for the manifest of a run. HOULE_FLAGS comes from CMake.
+static nb::dict build_info() {
+  nb::dict info;
+#if defined(__clang__)
+  info["compiler"] = "clang " __clang_version__;
+#elif defined(__GNUC__)
+  info["compiler"] = "gcc " __VERSION__;
+#elif defined(_MSC_VER)
+  info["compiler"] = "msvc " + std::to_string(_MSC_FULL_VER);
+#else
+  info["compiler"] = "unknown";
+#endif
+  info["flags"] = HOULE_FLAGS;
+#ifdef _OPENMP
+  info["openmp"] = _OPENMP;
+#else
+  info["openmp"] = nb::none();
+#endif
+  info["threads"] = get_threads();
+  return info;
+}
+
 }  // namespace houle
 
 NB_MODULE(_core, m) {
@@ -28,6 +52,7 @@ NB_MODULE(_core, m) {
   bind_grid<3>(m, "Grid3");
   m.def("set_threads", &set_threads, "threads"_a);
   m.def("get_threads", &get_threads);
+  m.def("build_info", &build_info, "Compiler, its flags, date of the OpenMP specification or None, threads in use.");
   bind_poisson(m);
   bind_transfer(m);
   bind_flow(m);

@@ -42,17 +42,22 @@ def interpolate(time: float, observed: Sequence[Observed], lag: Mapping[str, flo
 
     After the last instant the line through the last two goes on. NaN (dry) on either side stays NaN.
     """
+    between = {share: _between(time, [o.instant(share) for o in observed]) for share in {0.0, *lag.values()}}
     row: Sample = {}
-    for name, last in observed[-1].values.items():
-        instants = [o.instant(lag.get(name, 0.0)) for o in observed]
-        i = next((i for i, t in enumerate(instants) if t >= time), len(instants) - 1)
-        first = observed[i - 1].values[name] if i else last
-        if i == 0 or instants[i] == time or instants[i] <= instants[i - 1]:
-            row[name] = observed[i].values[name]
-        else:
-            weight = (time - instants[i - 1]) / (instants[i] - instants[i - 1])
-            row[name] = first + weight * (observed[i].values[name] - first)
+    for name in observed[-1].values:
+        i, weight = between[lag.get(name, 0.0)]
+        after = observed[i].values[name]
+        before = observed[i - 1].values[name]
+        row[name] = after if weight == 1.0 else before + weight * (after - before)
     return row
+
+
+def _between(time: float, instants: Sequence[float]) -> tuple[int, float]:
+    """Which of the instants comes next (or is the last one), and its weight beside that before it."""
+    i = next((i for i, t in enumerate(instants) if t >= time), len(instants) - 1)
+    if i == 0 or instants[i] == time or instants[i] <= instants[i - 1]:
+        return i, 1.0
+    return i, (time - instants[i - 1]) / (instants[i] - instants[i - 1])
 
 
 class Recorder:

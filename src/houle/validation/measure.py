@@ -131,6 +131,20 @@ def volume_checks(run: Run) -> list[Check]:
     return found
 
 
+def rest_checks(run: Run) -> list[Check]:
+    """Water at rest below a level, from t = 0 on: speed, level, pressure at the sensors, volume."""
+    level, fluid = run.case.water[0].below, run.case.fluid
+    assert level is not None
+    depth = np.array([level - sensor.at[-1] for sensor in run.case.sensor])
+    pressure = run.series.pressure.transpose("time", "sensor").values / (fluid.density * fluid.gravity * depth)
+    return [
+        Check("largest speed", largest(run.series.max_speed), "m/s", 1e-9),
+        Check("level error over spacing", largest(run.series.eta.values - level) / run.case.domain.spacing, "", 1e-3),
+        Check("pressure error over rho g depth", 100.0 * largest(pressure - 1.0), "%", 0.5),
+        *volume_checks(run),
+    ]
+
+
 def water_under(eta: xr.DataArray, porosity: FloatArray, size: Sequence[float]) -> FloatArray:
     """Water (T,) [m^d] below the surface eta (time, x, ...) in a box of this size [m], porosity (*grid) full."""
     spacing = np.divide(size, porosity.shape)
