@@ -60,23 +60,26 @@ class Table(Mapping[str, Variable]):
 
 def write(path: Path, table: Table) -> None:
     """The whole file or nothing; every dimension has a coordinate. Missing values are NaN, coordinates have none."""
-    beside = " ".join(name for name in table.coordinates if name not in table.sizes)
+    sizes = table.sizes
     with new_hdf5(path, track_order=True) as file:
         file.attrs.update(table.attrs)
-        for number, name in enumerate(table.sizes):
+        for number, name in enumerate(sizes):
             scale = _create(file, name, table[name])
             scale.make_scale(name)
             scale.attrs["_Netcdf4Dimid"] = np.int32(number)
         for name, variable in table.items():
-            if name in table.sizes:
+            if name in sizes:
                 continue
             stored = _create(file, name, variable)
             for axis, dimension in enumerate(variable.dims):
                 stored.dims[axis].attach_scale(file[dimension])
             if name in table.variables:
                 stored.attrs["_FillValue"] = np.array([np.nan])
-                if beside:
-                    stored.attrs["coordinates"] = beside
+                along = {
+                    n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)
+                }
+                if along:
+                    stored.attrs["coordinates"] = " ".join(sorted(along))
 
 
 def _create(file: h5py.File, name: str, variable: Variable) -> h5py.Dataset:
