@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import os
+import sys
 from dataclasses import asdict
 from html import escape
 from pathlib import Path
@@ -83,20 +85,17 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
 
 def show(run: Run) -> None:
     """Prints the tables on standard output."""
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console()
+    bold, plain = ("\033[1m", "\033[0m") if sys.stdout.isatty() and os.name != "nt" else ("", "")
     for title, rows in sections(run.summary):
-        console.print(title, style="bold", highlight=False, soft_wrap=True)
-        table = Table(show_header=False, box=None, pad_edge=False)
-        table.add_column(min_width=30)
-        table.add_column(justify="right" if title.startswith(("Where", "Energy", "Surface")) else "left")
-        for row in rows:
-            table.add_row(*row)
-        console.print(table, "")
+        right = title.startswith(("Where", "Energy", "Surface"))
+        first = max(30, *(len(name) for name, _ in rows))
+        last = max(len(value) for _, value in rows)
+        print(f"{bold}{title}{plain}")
+        for name, value in rows:
+            print(f"{name:{first}}  {value:{'>' if right else '<'}{last}}".rstrip())
+        print()
     for picture in run.pictures:
-        console.print(f"picture  {picture}", soft_wrap=True, highlight=False)
+        print(f"picture  {picture}")
 
 
 def as_html(run: Run) -> str:

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
+import h5netcdf
 import h5py
 import numpy as np
 import pytest
@@ -30,7 +31,9 @@ from houle.output import (
     read_series,
     read_surface,
     save_checkpoint,
+    series_table,
     summarise,
+    surface_table,
     write_manifest,
 )
 
@@ -190,6 +193,25 @@ def test_surface_lies_as_gridded_data_do(tmp_path, dimension):
     np.testing.assert_array_equal(surface.x, grid.axis_points(0))
 
 
+def test_surface_and_series_are_netcdf_4_for_other_readers(tmp_path):
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    write(outputs, made_grid(), range(3), range(9))
+    outputs.commit()
+    with h5netcdf.File(tmp_path / "series.nc") as file:
+        sizes = {name: len(dimension) for name, dimension in file.dimensions.items()}
+        assert sizes == {"time": 9, "gauge": 2, "sensor": 1, "axis": 2}
+        assert file["velocity"].dimensions == ("sensor", "time", "axis")
+        assert file["eta"].attrs["coordinates"] == "gauge_x" and "coordinates" not in file["volume"].attrs
+        assert np.isnan(file["eta"].attrs["_FillValue"]).all()
+    for name, read in (("series", series_table), ("surface", surface_table)):
+        with xr.open_dataset(tmp_path / f"{name}.nc", engine="h5netcdf", decode_times=False) as there:
+            table = read(tmp_path)
+            assert set(table) == set(there.variables) and table.sizes == dict(there.sizes)
+            for key in table:
+                np.testing.assert_array_equal(table[key].values, there[key].values)
+                assert table[key].dims == there[key].dims
+
+
 # ---- fields
 
 
@@ -302,6 +324,21 @@ def test_a_resumed_run_leaves_the_files_of_an_uninterrupted_one(tmp_path, packed
         one, other = got.frame(index), wanted.frame(index)
         for field in dataclasses.fields(Frame):
             np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
+
+
+def test_a_run_cut_back_twice_forgets_its_future_twice(tmp_path):
+    grid, case = made_grid(), made_case()
+    outputs = Outputs(tmp_path, case, grid)
+    write(outputs, grid, range(9), [0])
+    outputs.close()
+    for last, more in ((5, 7), (2, 4)):  # goes on by one frame or two, then is killed
+        outputs = Outputs(tmp_path, case, grid)
+        outputs.truncate_after(0.1 * last, 0.0)
+        write(outputs, grid, range(last + 1, more), [])
+        outputs.commit()
+        assert len(read_fields(tmp_path)) == more
+    for index in range(4):
+        assert_same_frame(read_fields(tmp_path).frame(index), made_frame(grid, index))
 
 
 WRITE_FOREVER = """
@@ -445,6 +482,8 @@ def test_the_manifest_says_what_ran_where_and_how_it_went(tmp_path):
         and got["machine"]["cpu"]
         and got["python"]["packages"]["numpy"] == np.__version__
     )
+    build = got["houle"]["build"]
+    assert build["compiler"] and "O" in build["flags"] and build["threads"] >= 1 and "openmp" in build
     assert got["summary"]["steps"] == 10 and got["summary"]["volume_drift"] is None
     assert got["ended"] >= got["started"] and read_manifest(tmp_path) == got
 

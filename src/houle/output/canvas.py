@@ -1,7 +1,7 @@
 """A picture in pixels, painted back to front with NumPy: areas, lines, discs; words on top with Pillow.
 
 Only what our pictures need. A plotting library would do it too, in ten times the time: half a second to be imported
-and two more for four sheets, as long as a short run takes (docs/decisions/0002-pictures.md).
+and two more for four sheets, as long as a short run takes (docs/decisions/0009-pictures.md).
 
 Points are (k, 2) pixels, x to the right and y down, (0, 0) the upper left corner of the picture. Edges are smoothed:
 a pixel takes the share of a colour that covers it.
@@ -255,6 +255,8 @@ def _dots(points: FloatArray, dashes: Dashes | None) -> FloatArray:
 def _around(points: FloatArray, reach: int, width: int) -> Iterator[tuple[slice, NDArray[np.int64], FloatArray]]:
     """A block of points (k), their neighbour pixels (k, m), and the distances (k, m) from the centres of these."""
     i, j = (offset.ravel() for offset in np.mgrid[-reach : reach + 1, -reach : reach + 1])
+    near = np.hypot(np.abs(i) - 0.5, np.abs(j) - 0.5) < reach  # not the corners of the square
+    i, j = i[near], j[near]
     size = max(1, BLOCK // len(i))
     for block in (slice(start, start + size) for start in range(0, len(points), size)):
         corner = np.floor(points[block])

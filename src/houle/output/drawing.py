@@ -40,7 +40,7 @@ def ticks(low: float, high: float, most: int = 5) -> tuple[FloatArray, list[str]
     power = 10.0 ** np.floor(np.log10(span / most))
     step = next(f * power for f in (1.0, 2.0, 2.5, 5.0, 10.0, 20.0) if span <= most * f * power)
     numbers = step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
-    digits = next(d for d in range(16) if np.allclose(numbers * 10**d, np.rint(numbers * 10**d), atol=1e-6, rtol=0))
+    digits = next(d for d in range(300) if round(step * 10**d) and abs(step * 10**d / round(step * 10**d) - 1) < 1e-6)
     return numbers, [f"{number + 0.0:.{digits}f}".replace("-", "−") for number in numbers]
 
 

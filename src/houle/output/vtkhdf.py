@@ -233,11 +233,8 @@ def _topology(block: h5py.Group, frames: Sequence[Stored], starts: Sequence[int]
         kind = block.create_group(name)
         cells = counts if name == "Vertices" else 0 * counts
         kind["NumberOfCells"] = kind["NumberOfConnectivityIds"] = cells
-        offsets = kind.create_dataset(
-            "Offsets", (int(cells.sum()) + total,), np.int64, chunks=(ROWS,), maxshape=(None,), **FILTERS
-        )
-        for first, count in zip(itertools.accumulate(cells + 1, initial=0), cells, strict=False):
-            offsets[first : first + count + 1] = ids[: count + 1]
+        offsets = np.concatenate([ids[: count + 1] for count in cells])
+        kind.create_dataset("Offsets", data=offsets, chunks=(ROWS,), maxshape=(None,), **FILTERS)
         kind.create_dataset(
             "Connectivity", data=ids[: cells.max(initial=0)], chunks=(ROWS,), maxshape=(None,), **FILTERS
         )
