@@ -74,7 +74,7 @@ def draw_curves(
     """
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     scale = _power_of_ten(float(np.abs(finite).max(initial=0.0)))
-    panel.limits((time[0], max(time[-1], time[0] + 1e-12)), heights or _limits(finite / 10.0**scale))
+    panel.limits((time[0], time[-1] if time[-1] > time[0] else time[0] + 1.0), heights or _limits(finite / 10.0**scale))
     panel.rule(0.0, FAINT)
     ends = []
     for (words, values), colour in zip(curves.items(), itertools.cycle(LINES), strict=False):
@@ -89,10 +89,10 @@ def draw_curves(
 
 
 def _limits(values: FloatArray) -> tuple[float, float]:
-    """From the lowest to the highest, and a twentieth of that around."""
+    """From the lowest to the highest, and some air; never so close that round-off looks like a wave."""
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-    margin = 0.05 * (high - low) or 0.05 * max(abs(high), 1e-3)
-    return low - margin, high + margin
+    air = max(0.05 * (high - low), 1e-3 * max(abs(low), abs(high))) or 1.0
+    return low - air, high + air
 
 
 def _power_of_ten(largest: float) -> int:
