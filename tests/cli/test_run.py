@@ -36,6 +36,20 @@ def test_importing_houle_loads_nothing_heavy():
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout.strip() == "[]"
 
 
+def test_a_run_with_its_pictures_loads_neither_pandas_nor_matplotlib(tmp_path):
+    code = f"""
+import sys
+sys.path.insert(0, {str(Path(fake_simulation.__file__).parent)!r})
+import fake_simulation
+sys.modules["houle.simulation"] = fake_simulation
+import houle
+run = houle.run(houle.load(fake_simulation.CASE), out={str(tmp_path / "out")!r}, progress=True)
+print([p.stem for p in run.pictures], [m for m in ("xarray", "pandas", "matplotlib") if m in sys.modules])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "['gauges', 'ledger', 'pressure', 'surface'] []", done.stderr
+
+
 def test_every_public_name_is_there_and_the_function_run_stays_a_function():
     assert all(getattr(houle, name) is not None for name in dir(houle))
     assert callable(houle.run) and houle.run is runner.run
