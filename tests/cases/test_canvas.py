@@ -42,6 +42,12 @@ def test_a_polygon_covers_its_area(size, shift):
     assert ink(canvas) == pytest.approx(2 * size**2, abs=6 * size * 0.26 + 1)  # to a quarter of a pixel at the edges
 
 
+def test_a_slope_goes_on_beyond_the_clip():
+    canvas = Canvas(200, 100)
+    canvas.polygon(np.array([[-100, 100], [300, 100], [100, -100.0]]), "black", BOX)
+    assert ink(canvas) == pytest.approx(200 * 100, rel=0.01)
+
+
 @given(st.floats(1, 6), st.floats(0, 1))
 def test_a_disc_covers_its_area_and_discs_on_top_of_each_other_are_one(radius, shift):
     one, same = Canvas(200, 100), Canvas(200, 100)

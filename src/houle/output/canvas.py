@@ -28,6 +28,7 @@ from houle.output.atomic import replacing
 DPI = 150
 FINER = 4  # times finer is a polygon drawn than its pixels
 BLOCK = 200_000  # pixels looked at together
+FAR = 1e4  # pixels: no line goes further
 STRIDE = 0.6  # pixels between the dots that make a line
 
 Box = tuple[int, int, int, int]  # left, upper, right, lower edge; the last two not included
@@ -85,9 +86,12 @@ class Canvas:
 
     def polygon(self, points: FloatArray, colour: str, clip: Box, hatch: float = 0.0) -> None:
         """The inside of a polygon; hatch: only lines at 45 degrees, so many pixels apart."""
-        corners = np.clip(np.asarray(points, float), (clip[0] - 9, clip[1] - 9), (clip[2] + 9, clip[3] + 9))
-        (x0, y0), (x1, y1) = np.floor(corners.min(axis=0)).astype(int), np.ceil(corners.max(axis=0)).astype(int)
-        mask = Image.new("L", (int(max(x1 - x0, 1)) * FINER, int(max(y1 - y0, 1)) * FINER))
+        corners = np.asarray(points, float)
+        x0, y0 = (int(max(c, low)) for c, low in zip(np.floor(corners.min(axis=0)), clip[:2], strict=True))
+        x1, y1 = (int(min(c, high)) for c, high in zip(np.ceil(corners.max(axis=0)), clip[2:], strict=True))
+        if x0 >= x1 or y0 >= y1:
+            return
+        mask = Image.new("L", ((x1 - x0) * FINER, (y1 - y0) * FINER))
         fine = (corners - (x0, y0)) * FINER - 0.5
         ImageDraw.Draw(mask).polygon([tuple(corner) for corner in fine.tolist()], fill=255)
         cover = np.asarray(mask.reduce(FINER), np.float32) / 255.0
@@ -95,7 +99,7 @@ class Canvas:
             x, y = np.arange(x0, x0 + cover.shape[1]), np.arange(y0, y0 + cover.shape[0])[:, None]
             away = np.abs((x + y + 1.0) / np.sqrt(2.0) % hatch - 0.5 * hatch)
             cover = cover * np.clip(0.5 * pixels(0.5) + 0.5 - away, 0.0, 1.0)
-        self.blend(cover, int(x0), int(y0), rgb(colour), clip)
+        self.blend(cover, x0, y0, rgb(colour), clip)
 
     def under(self, points: FloatArray, colour: str, clip: Box) -> None:
         """The area below a curve whose x rises, to the lower edge of the clip; no area where it is NaN."""
@@ -108,7 +112,8 @@ class Canvas:
 
     def line(self, points: FloatArray, colour: str, width: float, clip: Box, dashes: Dashes | None = None) -> None:
         """Through the points, with round ends; a gap where they are NaN. width in typographic points."""
-        dots = [_dots(stretch, dashes) for stretch in _stretches(np.asarray(points, float))]
+        near = np.clip(np.asarray(points, float), -FAR, FAR)
+        dots = [_dots(stretch, dashes) for stretch in _stretches(near)]
         self._dab(np.concatenate(dots), 0.0, pixels(width), colour, clip) if dots else None
 
     def rings(self, centres: FloatArray, radius: float, colour: str, width: float, clip: Box) -> None:
