@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from houle.fields import OPERATIONS
 from houle.grid import FloatArray, Grid
 from houle.laboratory import Data
-from houle.output.canvas import DPI
-from houle.output.drawing import FAINT, LINES, Panel, label_ends, sheet
+from houle.output import drawing
+from houle.output.drawing import FAINT, LINES, headings, label, label_ends, sheet
 from houle.output.section import title
 
 Curves = dict[str, FloatArray]
@@ -36,11 +37,12 @@ def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
     panels = [entry for entry in panels if entry[2]]
     time = series["time"].values
     words = f"the ledger  ·  {float(time[-1]):g} s of simulated time"
-    page = sheet(len(panels), 2, (3.3, 1.5), title(case), words, gap=(1.65, 0.62), margins=(LEFT, 0.95, 0.5, 0.95))
-    for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, panels, strict=True)):
-        draw_curves(panel, time, curves, unit, "t [s]" if i + 2 >= len(panels) else "")
-        panel.heading(name)
-    return page.save(path)
+    with drawing.style():
+        page = sheet(len(panels), 2, (3.3, 1.5), title(case), words, gap=(1.65, 0.62), margins=(LEFT, 0.95, 0.5, 0.95))
+        for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, panels, strict=True)):
+            draw_curves(panel, time, curves, unit, "t [s]" if i + 2 >= len(panels) else "")
+            headings(panel, name)
+        return page.save(path)
 
 
 def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
@@ -56,17 +58,18 @@ def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
         rows.append(("Darcy velocity along x", "m/s", {n: velocity[s, :, 0] for s, n in enumerate(names)}))
     words = "gauges and sensors  ·  a gap is a dry gauge"
     right = 1.55 if any(len(curves) > 1 or "" not in curves for _, _, curves in rows) else 0.3  # for the names
-    page = sheet(len(rows), 1, (6.4, 1.15), title(case), words, gap=(0, 0.5), margins=(LEFT, right, 0.5, 0.95))
     axes = ", ".join("xz" if grid.dimension == 2 else "xyz")
-    for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, rows, strict=True)):
-        heights = _level_limits(curves[""]) if unit == "m" else None
-        draw_curves(panel, series["time"].values, curves, unit, "t [s]" if i + 1 == len(rows) else "", heights)
-        panel.heading(name, "" if unit == "m" else f"sensors at ({axes}) [m]")
-    return page.save(path)
+    with drawing.style():
+        page = sheet(len(rows), 1, (6.4, 1.15), title(case), words, gap=(0, 0.5), margins=(LEFT, right, 0.5, 0.95))
+        for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, rows, strict=True)):
+            heights = _level_limits(curves[""]) if unit == "m" else None
+            draw_curves(panel, series["time"].values, curves, unit, "t [s]" if i + 1 == len(rows) else "", heights)
+            headings(panel, name, "" if unit == "m" else f"sensors at ({axes}) [m]")
+        return page.save(path)
 
 
 def draw_curves(
-    panel: Panel, time: FloatArray, curves: Curves, unit: str, below: str, heights: tuple[float, float] | None = None
+    panel: Axes, time: FloatArray, curves: Curves, unit: str, below: str, heights: tuple[float, float] | None = None
 ) -> None:
     """Lines named at their right ends, the zero line faint, the unit on the axis with a power of ten if need be.
 
@@ -74,18 +77,20 @@ def draw_curves(
     """
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     scale = _power_of_ten(float(np.abs(finite).max(initial=0.0)))
-    panel.limits((time[0], time[-1] if time[-1] > time[0] else time[0] + 1.0), heights or _limits(finite / 10.0**scale))
-    panel.rule(0.0, FAINT)
+    last = time[-1] if time[-1] > time[0] else time[0] + 1.0
+    panel.set(xlim=(time[0], last), ylim=heights or _limits(finite / 10.0**scale))
+    panel.locator_params(nbins=5)
+    panel.axhline(0, color=FAINT, lw=0.8, zorder=0)
     ends = []
     for (words, values), colour in zip(curves.items(), itertools.cycle(LINES), strict=False):
-        panel.line(time, values / 10.0**scale, colour, 1.2)
+        panel.plot(time, values / 10.0**scale, color=colour, lw=1.2, clip_on=heights is not None)
         wet = values[np.isfinite(values)]
         if words and len(wet):
             ends.append((float(wet[-1]) / 10.0**scale, words, colour))
     label_ends(panel, ends)
     factor = "10" + str(scale).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")) if scale else ""
     words = f"[{' '.join(filter(None, (factor, unit)))}]" if factor or unit else ""
-    panel.frame(below, words, label_at=DPI * (LEFT - 0.2))  # labels in line, however long the numbers are
+    label(panel, below, words, away=72 * (LEFT - 0.2))  # in line, however long the numbers are
 
 
 def _limits(values: FloatArray) -> tuple[float, float]:

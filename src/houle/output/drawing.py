@@ -1,159 +1,128 @@
 """How our pictures look: sheets of panels laid out in inches, colours, bodies, labels at the ends of lines.
 
-The colours are told apart by people who do not see red and green: lightness differs, no meaning hangs on hue alone.
+Nothing here touches the state of matplotlib or opens a window: figures are made by hand and drawn by Agg. The colours
+are told apart by people who do not see red and green (lightness differs, and no meaning hangs on hue alone).
+
+Short runs should not wait for their pictures. What costs time in matplotlib, and is therefore not here: pyplot, layout
+engines and tight boxes, titles and axis labels that look for a free place, mathematical text, path effects, and one
+artist per point.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
-from houle.grid import FloatArray, Grid
-from houle.output.canvas import DPI, Box, Canvas, Dashes, pixels, rgb, width_of
+from houle.grid import Grid
+from houle.output.atomic import replacing
 
 INK, GREY, FAINT = "#22303c", "#7d8a96", "#dfe4e8"
 WATER, SHADE = "#1f5f8b", "#dceaf4"
 LABORATORY = "#c44e17"
-STONE, STONE_LINE, HATCH, SOLID = "#f3efe6", "#8c8069", "#d5ccb8", "#c3c8cc"
+STONE, STONE_LINE, SOLID = "#f3efe6", "#8c8069", "#c3c8cc"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
-TEXT, SMALL = 8.5, 8.0  # points
+DPI = 150
+TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
+COMPRESSION = 3  # of PNG: half the time of the usual 6, a tenth more bytes
 
-# YlGnBu of ColorBrewer (Harrower & Brewer 2003): from shallow green to deep blue, monotone in lightness
-_YLGNBU = ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58")
-PALEST = 0.13  # left out, it would vanish on white
-
-
-def pressures() -> FloatArray:
-    """A table (256, 3) of colours from low to high."""
-    places, stops = np.linspace(PALEST, 1.0, 256), np.linspace(0.0, 1.0, len(_YLGNBU))
-    return np.stack([np.interp(places, stops, [rgb(c)[a] for c in _YLGNBU]) for a in range(3)], axis=-1)
-
-
-def ticks(low: float, high: float, most: int = 5) -> tuple[FloatArray, list[str]]:
-    """Round numbers in a range, at most so many steps from one to the next, and how they are written."""
-    span = max(high - low, 1e-300)
-    power = 10.0 ** np.floor(np.log10(span / most))
-    step = next(f * power for f in (1.0, 2.0, 2.5, 5.0, 10.0, 20.0) if span <= most * f * power)
-    numbers = step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
-    digits = next(d for d in range(300) if round(step * 10**d) and abs(step * 10**d / round(step * 10**d) - 1) < 1e-6)
-    return numbers, [f"{number + 0.0:.{digits}f}".replace("-", "−") for number in numbers]
-
-
-class Panel:
-    """A box of the canvas with an x and a y axis. `limits(x, y)` first; then draw, then `frame`."""
-
-    def __init__(self, canvas: Canvas, box: Box) -> None:
-        self.canvas, self.box = canvas, box
-        self.x, self.y = (0.0, 1.0), (0.0, 1.0)
-
-    def limits(self, x: tuple[float, float], y: tuple[float, float]) -> None:
-        self.x, self.y = x, y
-
-    @property
-    def scale(self) -> FloatArray:
-        """Pixels per unit along x and y (upwards)."""
-        x0, y0, x1, y1 = self.box
-        return np.array([(x1 - x0) / (self.x[1] - self.x[0]), (y1 - y0) / (self.y[1] - self.y[0])])
-
-    def place(self, x: Any, y: Any) -> FloatArray:
-        """Pixels (k, 2) of points."""
-        along = self.box[0] + (np.asarray(x, float) - self.x[0]) * self.scale[0]
-        return np.stack(
-            np.broadcast_arrays(along, self.box[3] - (np.asarray(y, float) - self.y[0]) * self.scale[1]), -1
-        )
-
-    def line(self, x: Any, y: Any, colour: str, width: float, dashes: Dashes | None = None) -> None:
-        """Clipped at the panel, but for half its width: a line on the edge is whole."""
-        margin = int(np.ceil(0.5 * pixels(width)))
-        x0, y0, x1, y1 = self.box
-        self.canvas.line(self.place(x, y), colour, width, (x0 - margin, y0 - margin, x1 + margin, y1 + margin), dashes)
-
-    def rule(self, y: float, colour: str) -> None:
-        """A hair line across the panel, where it is inside."""
-        if self.y[0] <= y <= self.y[1]:
-            row = min(int(self.place(0.0, y)[1]), self.box[3] - 1)
-            self.canvas.rectangle((self.box[0], row, self.box[2], row + 1), colour)
-
-    def frame(self, x: str | None, y: str | None, *, right: bool = False, label_at: float | None = None) -> None:
-        """Axes with ticks. A label, "" for numbers alone, None for neither; label_at: pixels left of the panel."""
-        x0, y0, x1, y1 = self.box
-        rectangle, write = self.canvas.rectangle, self.canvas.write
-        length = round(pixels(3.0))
-        rectangle((x0, y0, x0 + 1, y1 + 1), GREY)
-        rectangle((x0, y1, x1, y1 + 1), GREY)
-        if right:
-            rectangle((x1 - 1, y0, x1, y1), GREY)
-        numbers, words = ticks(*self.x)
-        for at, text in zip(self.place(numbers, self.y[0]), words, strict=True):
-            column = min(int(at[0]), x1 - 1)
-            rectangle((column, y1, column + 1, y1 + 1 + length), GREY)
-            if x is not None:
-                write(at[0], y1 + length + pixels(3.5), text=text, size=TEXT, colour=INK, anchor="mt")
-        numbers, words = ticks(*self.y)
-        for at, text in zip(self.place(self.x[0], numbers), words, strict=True):
-            row = min(int(at[1]), y1)
-            rectangle((x0 - length, row, x0, row + 1), GREY)
-            if y is not None:
-                write(x0 - length - pixels(3.5), at[1], text=text, size=TEXT, colour=INK, anchor="rm")
-        if x:
-            write((x0 + x1) / 2, y1 + pixels(24.0), text=x, size=TEXT, colour=INK, anchor="ms")
-        if y:
-            widest = max((width_of(text, TEXT) for text in words), default=0.0)
-            away = label_at or length + widest + pixels(10.0)
-            write(x0 - away, (y0 + y1) / 2, text=y, size=TEXT, colour=INK, upward=True)
-
-    def heading(self, left: str, right: str = "") -> None:
-        """Above the panel: what it shows in bold, a number beside it."""
-        base = self.box[1] - pixels(4.5)
-        self.canvas.write(self.box[0], base, text=left, size=9, colour=INK, bold=True)
-        if right:
-            self.canvas.write(self.box[2], base, text=right, size=TEXT, colour=GREY, anchor="rs")
+_STYLE: dict[str, Any] = {
+    "font.family": ["DejaVu Sans"],
+    "font.size": TEXT,
+    "text.color": INK,
+    "axes.edgecolor": GREY,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "xtick.color": GREY,
+    "ytick.color": GREY,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.4,
+    "lines.solid_capstyle": "round",
+    "hatch.linewidth": 0.5,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+}
 
 
-@dataclass(frozen=True)
-class Key:
-    """An entry of a legend: a line, or a ring."""
-
-    label: str
-    colour: str
-    ring: bool = False
+def pressures() -> Colormap:
+    """From shallow green to deep blue, monotone in lightness; the palest end is left out, it would vanish on white."""
+    colours = matplotlib.colormaps["YlGnBu"](np.linspace(0.13, 1.0, 256))
+    return LinearSegmentedColormap.from_list("pressures", colours)
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """A canvas and its panels, in reading order."""
+    """A figure and its panels, in reading order."""
 
-    canvas: Canvas
-    panels: list[Panel]
+    figure: Figure
+    panels: list[Axes]
     columns: int
 
     def save(self, path: Path) -> Path:
-        return self.canvas.save(path)
+        """PNG, whole or not at all."""
+        import houle
 
-    def legend(self, keys: Sequence[Key], above: float = 0.1) -> None:
+        with replacing(path) as temporary:
+            made_by = {"Software": f"houle {houle.__version__}"}
+            packing: Any = {"compress_level": COMPRESSION}
+            canvas = FigureCanvasAgg(self.figure)
+            canvas.print_figure(temporary, format="png", dpi=DPI, metadata=made_by, pil_kwargs=packing)
+        return path
+
+    def legend(self, handles: Sequence[Any], above: float = 0.1) -> None:
         """In the lower margin at the right, so many inches above the edge."""
-        x = float(max(panel.box[2] for panel in self.panels))
-        y = self.canvas.box[3] - DPI * above - pixels(4.0)
-        for key in reversed(keys):
-            x -= width_of(key.label, TEXT)
-            self.canvas.write(x, y, text=key.label, size=TEXT, colour=INK, anchor="lm")
-            x -= pixels(7.0)
-            if key.ring:
-                self.canvas.rings(np.array([[x - pixels(7.0), y]]), 1.8, key.colour, 0.9, self.canvas.box)
-            else:
-                self.canvas.line(np.array([[x - pixels(14.0), y], [x, y]]), key.colour, 1.5, self.canvas.box)
-            x -= pixels(26.0)
+        if not handles:
+            return
+        height = self.figure.get_size_inches()[1]
+        edge = max(panel.get_position().x1 for panel in self.panels)
+        self.figure.legend(
+            handles=handles,
+            loc="lower right",
+            bbox_to_anchor=(edge, above / height),
+            ncols=len(handles),
+            fontsize=TEXT,
+            handlelength=1.6,
+            columnspacing=1.4,
+            borderpad=0,
+            borderaxespad=0,
+        )
 
-    def frames(self, x: str, y: str) -> None:
-        """Axes of all panels, with numbers and labels at the left and lower sides of the sheet only."""
+    def label_outside(self, x: str, y: str) -> None:
+        """Axis labels and numbers at the left and lower sides of the sheet only."""
         for i, panel in enumerate(self.panels):
             last = i + self.columns >= len(self.panels)
-            panel.frame(x if last else None, y if i % self.columns == 0 else None, right=True)
+            label(panel, x if last else "", y if i % self.columns == 0 else "")
+            panel.tick_params(labelbottom=last, labelleft=i % self.columns == 0)
+
+
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """The look above, for what is drawn inside."""
+    with matplotlib.rc_context(_STYLE):  # type: ignore[arg-type]
+        yield
 
 
 def sheet(
@@ -171,18 +140,38 @@ def sheet(
     left, right, bottom, top = margins
     width = max(left + columns * size[0] + (columns - 1) * gap[0] + right, 6.0)
     height = top + rows * size[1] + (rows - 1) * gap[1] + bottom
-    canvas = Canvas(round(DPI * width), round(DPI * height))
+    figure = Figure(figsize=(width, height))
     panels = []
     for i in range(count):
         row, column = divmod(i, columns)
-        x, y = left + column * (size[0] + gap[0]), top + row * (size[1] + gap[1])
-        x0, y0, x1, y1 = (round(DPI * edge) for edge in (x, y, x + size[0], y + size[1]))
-        panels.append(Panel(canvas, (x0, y0, x1, y1)))
-    room = DPI * (width - left - right)
-    for words, most, y, colour, bold in ((title, 12.0, 0.26, INK, True), (subtitle, TEXT, 0.49, GREY, False)):
-        points = min(most, most * room / max(1.0, width_of(words, most, bold)))  # a long title is set smaller, not cut
-        canvas.write(DPI * left, DPI * y, text=words, size=points, colour=colour, bold=bold, anchor="lm")
-    return Sheet(canvas, panels, columns)
+        x, y = left + column * (size[0] + gap[0]), height - top - (row + 1) * size[1] - row * gap[1]
+        panels.append(figure.add_axes((x / width, y / height, size[0] / width, size[1] / height)))
+    room = width - left - right
+    for words, most, y, colour, weight in ((title, 12.0, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
+        points = min(most, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
+        figure.text(left / width, 1 - y / height, words, fontsize=points, color=colour, weight=weight, va="center")
+    return Sheet(figure, panels, columns)
+
+
+def headings(panel: Axes, left: str, right: str = "") -> Annotation:
+    """Above a panel: what it shows in bold, which is returned; a number beside it."""
+    if right:
+        _beside(panel, (1, 1), (0, 5), right, ha="right", va="baseline", color=GREY)
+    return _beside(panel, (0, 1), (0, 5), left, ha="left", va="baseline", fontweight="bold")
+
+
+def label(panel: Axes, x: str, y: str, away: float = 31.0) -> None:
+    """Under the axis of a panel and beside the other, so many points away."""
+    if x:
+        _beside(panel, (0.5, 0), (0, -24), x, ha="center", va="baseline")
+    if y:
+        _beside(panel, (0, 0.5), (-away, 0), y, ha="center", va="center", rotation=90)
+
+
+def _beside(panel: Axes, at: tuple[float, float], shift: tuple[float, float], words: str, **look: Any) -> Annotation:
+    """Words some points away from a place of the panel, (0, 0) to (1, 1)."""
+    look |= {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False}
+    return panel.annotate(words, at, shift, **look)
 
 
 @dataclass(frozen=True)
@@ -200,7 +189,7 @@ def bodies(entries: Sequence[Any], grid: Grid, y: float = 0.0) -> list[Body]:
         outline = _outline(entry, grid, y)
         if outline is not None:
             porosity = getattr(entry, "porosity", None)
-            words = ", ".join(filter(None, [entry.name, f"$n$ = {porosity:g}" if porosity else ""]))
+            words = ", ".join(filter(None, [entry.name, f"n = {porosity:g}" if porosity else ""]))
             found.append(Body(outline, words))
     return found
 
@@ -218,48 +207,49 @@ def _outline(entry: Any, grid: Grid, y: float) -> NDArray[np.float64] | None:
     return np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
 
 
-def stones(panel: Panel, porous: Sequence[Body]) -> None:
-    """The ground of porous bodies."""
+def draw_bodies(
+    panel: Axes, porous: Sequence[Body], solid: Sequence[Body], *, over: bool = False, words: bool = True
+) -> None:
+    """Porous bodies hatched, solids filled. over: a second, thin outline above what is drawn in between."""
     for body in porous:
-        panel.canvas.polygon(panel.place(*body.outline.T), STONE, panel.box)
-
-
-def hatches(panel: Panel, porous: Sequence[Body]) -> None:
-    """The hatching of porous bodies."""
-    for body in porous:
-        panel.canvas.polygon(panel.place(*body.outline.T), HATCH, panel.box, hatch=pixels(5.0))
-
-
-def outline_bodies(panel: Panel, porous: Sequence[Body], solid: Sequence[Body], *, dashed: bool) -> None:
-    """Outlines and words of porous bodies; solids, filled. They lie before the water."""
-    for body in porous:
-        closed = np.concatenate([body.outline, body.outline[:1]])
-        panel.line(closed[:, 0], closed[:, 1], STONE_LINE, 0.9, (pixels(3.6), pixels(1.8)) if dashed else None)
-        x, y = panel.place(body.outline[:, 0].mean(), body.outline[:, 1].max())
-        if body.words:
-            look: Any = {"size": 7.5, "colour": STONE_LINE, "anchor": "ms", "halo": True}
-            panel.canvas.write(x, y - pixels(4.0), text=body.words, **look)
+        panel.add_patch(Polygon(body.outline, fc=STONE, ec="none", zorder=0.5))
+        panel.add_patch(Polygon(body.outline, fc="none", ec="#d5ccb8", hatch="////", lw=0, zorder=0.6))
+        dash: Any = (0, (4, 2)) if over else "-"
+        panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
+        if words and body.words:
+            x, z = body.outline[:, 0].mean(), body.outline[:, 1].max()
+            ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
+            look: Any = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": STONE_LINE, "zorder": 5, "bbox": ground}
+            panel.annotate(body.words, (x, z), (0, 3), textcoords="offset points", **look)
     for body in solid:
-        closed = np.concatenate([body.outline, body.outline[:1]])
-        panel.canvas.polygon(panel.place(*body.outline.T), SOLID, panel.box)
-        panel.line(closed[:, 0], closed[:, 1], GREY, 0.7)
+        panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
 
 
-def draw_gates(panel: Panel, gates: Sequence[Any], time: float) -> None:
+def draw_gates(panel: Axes, gates: Sequence[Any], time: float, top: float) -> list[Line2D]:
     """The plates that are still in the picture, lifted as far as they are at this time [s]."""
-    for gate in gates:
-        foot = max(0.0, time - gate.start) * gate.speed
-        if foot < panel.y[1]:
-            panel.line([gate.x, gate.x], [foot, panel.y[1]], INK, 1.6)
+    feet = [(gate.x, max(0.0, time - gate.start) * gate.speed) for gate in gates]
+    look: Any = {"color": INK, "lw": 1.6, "solid_capstyle": "butt", "zorder": 5}
+    return [panel.plot([x, x], [foot, top], **look)[0] for x, foot in feet if foot < top]
 
 
-def label_ends(panel: Panel, ends: Sequence[tuple[float, str, str]]) -> None:
+def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: float = SMALL) -> None:
     """(height in data, words, colour) of curves: the words beside their right ends, pushed apart where they overlap."""
-    heights = [-float(panel.place(0.0, y)[1]) for y, _, _ in ends]  # upwards
-    shifts = apart(heights, 1.25 * pixels(SMALL), -panel.box[3], -panel.box[1])
-    for height, shift, (_, words, colour) in zip(heights, shifts, ends, strict=True):
-        at = (panel.box[2] + pixels(5.0), -(height + shift))
-        panel.canvas.write(*at, text=words, size=SMALL, colour=colour, anchor="lm")
+    panel.get_ylim()  # settles the limits: without it the transforms are those of an empty panel
+    to_points = 72.0 / panel.figure.dpi
+    (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
+    heights = [to_points * panel.transData.transform((0.0, y))[1] for y, _, _ in ends]
+    for (y, words, colour), shift in zip(ends, apart(heights, points * 1.25, low, high), strict=True):
+        panel.annotate(
+            words,
+            (1.0, y),
+            (5, shift),
+            xycoords=panel.get_yaxis_transform(),
+            textcoords="offset points",
+            va="center",
+            fontsize=points,
+            color=colour,
+            annotation_clip=False,
+        )
 
 
 def apart(heights: Sequence[float], gap: float, low: float, high: float) -> list[float]:

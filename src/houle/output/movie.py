@@ -6,12 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from houle.frame import Frame
 from houle.grid import Grid
+from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
-from houle.output.section import Section, colour_bar, highest_pressure
+from houle.output.section import Section, colour_bar, pressure_scale
 
 NAME = "movie.mp4"
 BLOCK = 16  # pixels: encoders want sizes that are multiples of it
@@ -28,22 +31,38 @@ def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: floa
         raise OutputError(path, f"the package {error.name} is not installed", cure) from None
     frames = [fields.frame(i) for i in range(0, len(fields), max(1, len(fields) // 20))]  # some, for the scales
     section = Section(case, grid, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
-    top = highest_pressure(frames)
+    scale = pressure_scale(frames)
     options: Any = {"format": "FFMPEG", "mode": "I", "fps": rate, "quality": 8}
     get_writer: Any = imageio.get_writer
-    with replacing(path) as temporary, get_writer(temporary, **options) as writer:
+    with drawing.style(), replacing(path) as temporary, get_writer(temporary, **options) as writer:
+        film = _Film(section, frames[0], pressure_scale(frames))
         for i in range(len(fields)):
-            writer.append_data(_image(section, fields.frame(i), top))
+            writer.append_data(film.image(fields.frame(i)))
     return path
 
 
-def _image(section: Section, frame: Frame, top: float) -> NDArray[np.uint8]:
-    """One picture (height, width, 3)."""
-    page = section.sheet(1, f"pressure of the particles  ·  t = {frame.time:.3f} s", below=0.45)
-    section.draw_particles(page.panels[0], frame, top)
-    section.draw_outlines(page.panels[0], frame.time, dashed=True)
-    page.frames("x [m]", "z [m]")
-    colour_bar(page, 0.0, top / 1e3, "pressure [kPa]")
-    pixels = np.asarray(page.canvas.image())
-    more = [(0, -n % BLOCK) for n in pixels.shape[:2]]
-    return np.pad(pixels, (*more, (0, 0)), constant_values=255)
+class _Film:
+    """One figure for all frames: pressures, gates and the time change, the rest stands still."""
+
+    def __init__(self, section: Section, first: Frame, scale: Normalize) -> None:
+        self.section, page = section, section.sheet(1, "pressure of the particles", below=0.45)
+        self.panel, self.canvas = page.panels[0], FigureCanvasAgg(page.figure)
+        page.figure.set_dpi(drawing.DPI)
+        self.gates = section.draw(self.panel, first.time, over=True)
+        self.marks = section.draw_particles(self.panel, first, scale)
+        self.time = drawing.headings(self.panel, "")
+        page.label_outside("x [m]", "z [m]")
+        colour_bar(page, self.marks, "pressure [kPa]")
+
+    def image(self, frame: Frame) -> NDArray[np.uint8]:
+        """One picture (height, width, 3)."""
+        height, width = self.marks.get_array().shape
+        self.marks.set_data(self.section.pressures(frame, (width, height)))
+        self.time.set_text(f"t = {frame.time:.3f} s")
+        for gate in self.gates:
+            gate.remove()
+        self.gates = drawing.draw_gates(self.panel, self.section.case.gate, frame.time, self.section.height)
+        self.canvas.draw()
+        pixels = np.asarray(self.canvas.buffer_rgba())[..., :3]
+        more = [(0, -n % BLOCK) for n in pixels.shape[:2]]
+        return np.pad(pixels, (*more, (0, 0)), constant_values=255)

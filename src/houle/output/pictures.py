@@ -7,6 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
 
 from houle import laboratory
 from houle.frame import Frame
@@ -14,8 +17,8 @@ from houle.grid import FloatArray, Grid
 from houle.laboratory import Data
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
-from houle.output.drawing import LABORATORY, WATER, Key, Panel, sheet
-from houle.output.section import Section, colour_bar, highest_pressure, length, title
+from houle.output.drawing import LABORATORY, SHADE, WATER, headings, sheet
+from houle.output.section import Section, colour_bar, length, pressure_scale, title
 
 MOST = 6  # panels of a sheet without laboratory times
 
@@ -48,36 +51,36 @@ def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: la
     score = laboratory.score(points, surface) if points else None
     rms = dict(zip(score.times, score.rms, strict=True)) if score else {}
     section = Section(case, grid, [np.nanmax(surface["eta"].values, initial=0.0), *(points.eta if points else [])])
-    page = section.sheet(len(times), _surface_words(case, grid, points, score), below=0.22)
-    for panel, time in zip(page.panels, times, strict=True):
-        x, eta = _profile(surface, time, grid)
-        section.draw_water(panel, x, eta)
-        section.draw_outlines(panel, time)
-        panel.line(x, eta, WATER, 1.5)
-        panel.heading(f"t = {time:.4g} s", f"rms {1e3 * rms[time]:.1f} mm" if time in rms else "")
-    page.frames("x [m]", "z [m]")
-    for panel, time in zip(page.panels, times, strict=True):
-        _laboratory(panel, points, time, case)
-    page.legend([Key("computed", WATER), *_laboratory_key(points, case)])
-    return page.save(path)
+    with drawing.style():
+        page = section.sheet(len(times), _surface_words(case, grid, points, score), below=0.22)
+        for panel, time in zip(page.panels, times, strict=True):
+            section.draw(panel, time)
+            x, eta = _profile(surface, time, grid)
+            panel.fill_between(x, 0, eta, color=SHADE, lw=0, zorder=0.55)
+            panel.plot(x, eta, color=WATER, lw=1.5, zorder=3)
+            _laboratory(panel, points, time, case)
+            headings(panel, f"t = {time:.4g} s", f"rms {1e3 * rms[time]:.1f} mm" if time in rms else "")
+        page.label_outside("x [m]", "z [m]")
+        page.legend([Line2D([], [], color=WATER, lw=1.5, label="computed"), *_laboratory_key(points, case)])
+        return page.save(path)
 
 
 def pressure_picture(path: Path, case: Any, grid: Grid, fields: Any, points: laboratory.Points | None = None) -> Path:
     """Particles coloured by their pressure, at the size of the space they fill; in 3D those of the middle section."""
     frames = [fields.frame(fields.nearest(time)) for time in _times(fields.times, points)]
     section = Section(case, grid, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
-    top = highest_pressure(frames)
-    page = section.sheet(len(frames), _pressure_words(section, frames), below=0.45)
-    for panel, frame in zip(page.panels, frames, strict=True):
-        section.draw_particles(panel, frame, top)
-        section.draw_outlines(panel, frame.time, dashed=True)
-        panel.heading(f"t = {frame.time:.4g} s")
-    page.frames("x [m]", "z [m]")
-    for panel, frame in zip(page.panels, frames, strict=True):
-        _laboratory(panel, points, frame.time, case)
-    colour_bar(page, 0.0, top / 1e3, "pressure [kPa]")
-    page.legend(_laboratory_key(points, case), above=0.28)
-    return page.save(path)
+    scale = pressure_scale(frames)
+    with drawing.style():
+        page = section.sheet(len(frames), _pressure_words(section, frames), below=0.45)
+        for panel, frame in zip(page.panels, frames, strict=True):
+            section.draw(panel, frame.time, over=True)
+            marks = section.draw_particles(panel, frame, scale)
+            _laboratory(panel, points, frame.time, case)
+            headings(panel, f"t = {frame.time:.4g} s")
+        page.label_outside("x [m]", "z [m]")
+        colour_bar(page, marks, "pressure [kPa]")
+        page.legend(_laboratory_key(points, case), above=0.28)
+        return page.save(path)
 
 
 def plan_picture(path: Path, case: Any, grid: Grid, surface: Data) -> Path:
@@ -87,43 +90,36 @@ def plan_picture(path: Path, case: Any, grid: Grid, surface: Data) -> Path:
     along, across = grid.size[0], grid.size[1]
     columns = 1 if along / across > 5 else min(len(times), 2 if along / across > 1.8 else 3)
     width = {1: 7.5, 2: 4.2, 3: 3.1}[columns]
-    low, high = float(np.nanmin(surface["eta"].values)), float(np.nanmax(surface["eta"].values))
-    high = max(high, low + 1e-9)
-    words = f"level of the free surface from above  ·  spacing {length(max(grid.spacing))}  ·  white: dry"
-    size = (width, width * across / along)
-    page = sheet(len(times), columns, size, title(case), words, margins=(0.62, 0.3, 0.95, 0.95))
-    for panel, time in zip(page.panels, times, strict=True):
-        panel.limits((0.0, along), (0.0, across))
-        _paint(panel, surface["eta"].values[np.argmin(np.abs(available - time))], low, high)
-        panel.heading(f"t = {time:.4g} s")
-    page.frames("x [m]", "y [m]")
-    colour_bar(page, low, high, "level above z = 0 [m]")
-    return page.save(path)
+    scale = Normalize(float(np.nanmin(surface["eta"].values)), float(np.nanmax(surface["eta"].values)))
+    with drawing.style():
+        words = f"level of the free surface from above  ·  spacing {length(max(grid.spacing))}  ·  white: dry"
+        size = (width, width * across / along)
+        page = sheet(len(times), columns, size, title(case), words, margins=(0.62, 0.3, 0.95, 0.95))
+        look: Any = {"origin": "lower", "extent": (0.0, along, 0.0, across), "aspect": "auto"}
+        look |= {"interpolation": "nearest", "cmap": drawing.pressures(), "norm": scale}
+        for panel, time in zip(page.panels, times, strict=True):
+            mesh = panel.imshow(surface["eta"].values[np.argmin(np.abs(available - time))], **look)
+            panel.locator_params(nbins=5)
+            headings(panel, f"t = {time:.4g} s")
+        page.label_outside("x [m]", "y [m]")
+        colour_bar(page, mesh, "level above z = 0 [m]")
+        return page.save(path)
 
 
-def _paint(panel: Panel, eta: FloatArray, low: float, high: float) -> None:
-    """Cells (ny, nx) of a plan that fills the panel, coloured by their value; white where it is NaN."""
-    x0, y0, x1, y1 = panel.box
-    column = (np.arange(x1 - x0) + 0.5) / (x1 - x0) * eta.shape[1]
-    row = (np.arange(y1 - y0)[::-1] + 0.5) / (y1 - y0) * eta.shape[0]
-    values = eta[np.ix_(row.astype(int), column.astype(int))]
-    table = drawing.pressures()
-    colours = table[np.rint((np.nan_to_num(values, nan=low) - low) / (high - low) * (len(table) - 1)).astype(int)]
-    panel.canvas.blend(np.isfinite(values), x0, y0, colours)
-
-
-def _laboratory(panel: Panel, points: laboratory.Points | None, time: float, case: Any) -> None:
+def _laboratory(panel: Axes, points: laboratory.Points | None, time: float, case: Any) -> None:
     """The measured points of a time, open circles with the error of the measurement."""
     if points is None or not (here := np.abs(points.time - time) < laboratory.SAME).any():
         return
     x, eta, error = points.x[here], points.eta[here], case.reference.error or 0.0
-    bars = np.stack([eta - error, eta + error, np.full(len(eta), np.nan)], axis=-1)
-    panel.line(np.repeat(x, 3), bars.ravel(), LABORATORY, 0.7)
-    panel.canvas.rings(panel.place(x, eta), 1.4, LABORATORY, 0.9, panel.canvas.box)
+    panel.vlines(x, eta - error, eta + error, color=LABORATORY, lw=0.7, zorder=4.5)
+    panel.plot(x, eta, "o", color=LABORATORY, ms=2.8, mfc="white", mew=0.9, zorder=4.5)
 
 
-def _laboratory_key(points: laboratory.Points | None, case: Any) -> list[Key]:
-    return [] if points is None else [Key(case.reference.label, LABORATORY, ring=True)]
+def _laboratory_key(points: laboratory.Points | None, case: Any) -> list[Line2D]:
+    if points is None:
+        return []
+    marks: dict[str, Any] = {"marker": "o", "ls": "none", "ms": 3.6, "mfc": "white", "mew": 0.9}
+    return [Line2D([], [], color=LABORATORY, label=case.reference.label, **marks)]
 
 
 def _surface_words(case: Any, grid: Grid, points: laboratory.Points | None, score: laboratory.Score | None) -> str:

@@ -6,16 +6,18 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
 
 from houle.frame import Frame
-from houle.grid import Grid
+from houle.grid import FloatArray, Grid
 from houle.output import drawing
-from houle.output.canvas import DPI, pixels
-from houle.output.drawing import GREY, INK, TEXT, Panel, Sheet, sheet
+from houle.output.drawing import Sheet, sheet
 
-DRAWN = 40000  # particles in a panel; of more, every k-th is drawn, larger
+WIDER = 1.42  # side of a mark over that of the square the particle fills: the water has no gaps
 STRETCHED = 5.5  # longest panel, length over height; a longer flume is stretched upwards
-LARGER = 1.42  # diameter of a disc over the side of the square the particle fills: no gaps
 
 
 class Section:
@@ -38,55 +40,74 @@ class Section:
         size = (across, across / min(ratio, STRETCHED))
         if ratio > STRETCHED:
             words += f"  ·  heights stretched {ratio / STRETCHED:.2g} times"
-        page = sheet(count, columns, size, title(self.case), words, margins=(0.62, 0.3, 0.5 + below, 0.95))
-        for panel in page.panels:
-            panel.limits((0.0, self.grid.size[0]), (0.0, self.height))
-        return page
+        return sheet(count, columns, size, title(self.case), words, margins=(0.62, 0.3, 0.5 + below, 0.95))
 
-    def draw_water(self, panel: Panel, x: Any, level: Any) -> None:
-        """The water under a surface, in front of the ground of the bodies and behind their hatching."""
-        drawing.stones(panel, self.porous)
-        panel.canvas.under(panel.place(x, level), drawing.SHADE, panel.box)
-        drawing.hatches(panel, self.porous)
+    def draw(self, panel: Axes, time: float, *, over: bool = False) -> list[Line2D]:
+        """Everything that stands still, and the gates as they are at this time [s], which are returned."""
+        panel.set(xlim=(0, self.grid.size[0]), ylim=(0, self.height))
+        panel.spines["right"].set_visible(True)
+        panel.locator_params(nbins=5)
+        drawing.draw_bodies(panel, self.porous, self.solid, over=over)
+        return drawing.draw_gates(panel, self.case.gate, time, self.height)
 
-    def draw_particles(self, panel: Panel, frame: Frame, top: float) -> None:
-        """Discs a little larger than the space the particles fill (bulk volume); top: the largest pressure [Pa]."""
-        drawing.stones(panel, self.porous)
-        drawing.hatches(panel, self.porous)
+    def draw_particles(self, panel: Axes, frame: Frame, scale: Normalize) -> AxesImage:
+        """The image of `pressures` at the pixels of the panel; for the next frame, set_data() is enough."""
+        box = panel.get_window_extent()
+        pixels = (round(box.width / panel.figure.dpi * drawing.DPI), round(box.height / panel.figure.dpi * drawing.DPI))
+        extent = (0.0, self.grid.size[0], 0.0, self.height)
+        look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "nearest", "zorder": 2}
+        return panel.imshow(
+            self.pressures(frame, pixels), cmap=drawing.pressures(), norm=scale, extent=extent, **look
+        )
+
+    def pressures(self, frame: Frame, pixels: tuple[int, int]) -> FloatArray:
+        """[kPa] at the pixels (z, x) of a panel, NaN where no water is.
+
+        A particle covers a rectangle a little larger than the space it fills (bulk volume); where they overlap, the
+        mean is taken. All have the size of the middle one.
+        """
         chosen = np.arange(len(frame.volume))
         if self.grid.dimension == 3:
             chosen = np.flatnonzero(np.abs(frame.position[:, 1] - self.y) <= 0.5 * self.grid.spacing[1])
-        thin = max(1, -(-len(chosen) // DRAWN))
-        chosen = chosen[::thin]
-        side = (frame.volume[chosen] / frame.porosity[chosen]) ** (1 / self.grid.dimension)
-        radius = 0.5 * LARGER * side * np.sqrt(thin * np.prod(panel.scale))
-        centres = panel.place(frame.position[chosen, 0], frame.position[chosen, -1])
-        panel.canvas.discs(centres, radius, frame.pressure[chosen] / top, drawing.pressures(), panel.box)
-
-    def draw_outlines(self, panel: Panel, time: float, *, dashed: bool = False) -> None:
-        """What stands before the water, and the gates as they are at this time [s]."""
-        drawing.outline_bodies(panel, self.porous, self.solid, dashed=dashed)
-        drawing.draw_gates(panel, self.case.gate, time)
-
-
-def highest_pressure(frames: Iterable[Frame]) -> float:
-    """[Pa], a few outliers left out."""
-    return max([1.0, *(float(np.quantile(f.pressure, 0.999)) for f in frames if len(f.pressure))])
+        volume = frame.volume[chosen] / frame.porosity[chosen]
+        side = float(np.median(volume)) ** (1 / self.grid.dimension) if len(chosen) else 0.0
+        x, z = frame.position[chosen, 0], frame.position[chosen, -1]
+        bins: Any = {"bins": pixels, "range": ((0.0, self.grid.size[0]), (0.0, self.height))}
+        count = np.histogram2d(x, z, **bins)[0]
+        total = np.histogram2d(x, z, weights=frame.pressure[chosen] / 1e3, **bins)[0]
+        for axis, length_of_axis in enumerate((self.grid.size[0], self.height)):
+            reach = int(np.ceil(0.5 * (WIDER * side / length_of_axis * pixels[axis] - 1.0)))
+            count, total = _spread(count, reach, axis), _spread(total, reach, axis)
+        return np.divide(total, count, out=np.full(pixels, np.nan), where=count > 0.5).T
 
 
-def colour_bar(page: Sheet, low: float, high: float, words: str) -> None:
-    """A slim bar under the panels, for values from low to high."""
-    canvas, left, below = page.canvas, page.panels[0].box[0], page.canvas.box[3]
-    width, top = round(min(3.2 * DPI, 0.4 * canvas.box[2])), below - round(0.41 * DPI)
-    bottom = top + round(0.09 * DPI)
-    table = drawing.pressures()
-    canvas.colours[top:bottom, left : left + width] = table[np.linspace(0, len(table) - 1, width).round().astype(int)]
-    numbers, texts = drawing.ticks(low, high, 6)
-    for number, text in zip(numbers, texts, strict=True):
-        x = left + (width - 1) * (number - low) / (high - low)
-        canvas.rectangle((int(x), bottom, int(x) + 1, bottom + round(pixels(2.0))), GREY)
-        canvas.write(x, bottom + pixels(5.5), text=text, size=8, colour=INK, anchor="mt")
-    canvas.write(left + 1.03 * width, (top + bottom) / 2, text=words, size=TEXT, colour=INK, anchor="lm")
+def _spread(values: FloatArray, reach: int, axis: int) -> FloatArray:
+    """Sum over the neighbours within `reach` along an axis."""
+    if reach <= 0:
+        return values
+    wide = np.pad(values, [(reach, reach) if a == axis else (0, 0) for a in range(values.ndim)])
+    return np.lib.stride_tricks.sliding_window_view(wide, 2 * reach + 1, axis).sum(axis=-1)
+
+
+def pressure_scale(frames: Iterable[Frame]) -> Normalize:
+    """[kPa] from 0 to the largest pressure, a few outliers left out."""
+    return Normalize(
+        0.0, max([1e-3, *(float(np.quantile(f.pressure, 0.999)) / 1e3 for f in frames if len(f.pressure))])
+    )
+
+
+def colour_bar(page: Sheet, marks: Any, words: str) -> None:
+    """A slim bar under the panels."""
+    width, height = page.figure.get_size_inches()
+    first = page.panels[0].get_position()
+    bar = page.figure.add_axes((first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height))
+    low, high = marks.get_clim()
+    bar.imshow(np.linspace(low, high, 256)[None], cmap=marks.cmap, extent=(low, high, 0.0, 1.0), aspect="auto")
+    bar.set_yticks([])
+    bar.set_frame_on(False)
+    bar.tick_params(length=2)
+    bar.locator_params(axis="x", nbins=6)
+    bar.text(1.03, 0.5, words, transform=bar.transAxes, va="center")
 
 
 def title(case: Any) -> str:
