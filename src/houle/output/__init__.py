@@ -22,7 +22,7 @@ For the runner (every failure of the file system is an OutputError: one message 
     series_table(directory), surface_table(directory)   the same as Table, for who has no time to import xarray
     read_fields(directory)                          FieldsReader: .times, .nearest(time), .frame(i)
 
-Pictures and films (imported late, with Pillow):
+Pictures and films import matplotlib, so import them late:
 
     houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)    all there is data for
     houle.output.movie.write_movie(path, case, grid, fields, rate=25)

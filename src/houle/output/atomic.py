@@ -81,12 +81,12 @@ def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def new_hdf5(path: Path, *, durable: bool = False, **options: Any) -> Iterator[h5py.File]:
+def new_hdf5(path: Path, *, durable: bool = False) -> Iterator[h5py.File]:
     """An HDF5 file to be filled, that appears whole under its name or not at all."""
     with (
         replacing(path, durable=durable) as temporary,
         Sink(temporary) as sink,
-        h5py.File(sink, "w", **options) as file,
+        h5py.File(sink, "w") as file,
     ):
         yield file
 

@@ -18,7 +18,7 @@ import numpy as np
 from houle.output.atomic import OutputError, write_text
 
 NAME = "run.json"
-PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matplotlib", "pillow")
+PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matplotlib")
 
 
 def collect(case: Any, threads: int | None) -> dict[str, Any]:

@@ -31,7 +31,6 @@ def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: floa
         raise OutputError(path, f"the package {error.name} is not installed", cure) from None
     frames = [fields.frame(i) for i in range(0, len(fields), max(1, len(fields) // 20))]  # some, for the scales
     section = Section(case, grid, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
-    scale = pressure_scale(frames)
     options: Any = {"format": "FFMPEG", "mode": "I", "fps": rate, "quality": 8}
     get_writer: Any = imageio.get_writer
     with drawing.style(), replacing(path) as temporary, get_writer(temporary, **options) as writer:
@@ -56,8 +55,7 @@ class _Film:
 
     def image(self, frame: Frame) -> NDArray[np.uint8]:
         """One picture (height, width, 3)."""
-        height, width = self.marks.get_array().shape
-        self.marks.set_data(self.section.pressures(frame, (width, height)))
+        self.marks.set_data(self.section.pressures(frame, (self.marks.get_size()[1], self.marks.get_size()[0])))
         self.time.set_text(f"t = {frame.time:.3f} s")
         for gate in self.gates:
             gate.remove()

@@ -1,7 +1,7 @@
-"""netCDF-4 files with h5py and NumPy alone: tables of variables over named dimensions, and tables that grow in time.
+"""netCDF-4 files as tables of variables over named dimensions, and tables that grow in time.
 
-A netCDF-4 file is an HDF5 file whose dimensions are HDF5 dimension scales (NetCDF File Format Specifications, "NetCDF-4
-Format"). xarray reads it, but takes half a second to be imported: only who asks for a Dataset should pay for that.
+h5netcdf writes and reads them; xarray, on top of it, takes half a second to be imported: only who asks for a Dataset
+pays for that.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import h5netcdf
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.atomic import OutputError, new_hdf5
+from houle.output.atomic import OutputError, Sink, replacing
 
 if TYPE_CHECKING:
     import xarray
@@ -61,44 +62,30 @@ class Table(Mapping[str, Variable]):
 def write(path: Path, table: Table) -> None:
     """The whole file or nothing; every dimension has a coordinate. Missing values are NaN, coordinates have none."""
     sizes = table.sizes
-    with new_hdf5(path, track_order=True) as file:
+    with replacing(path) as temporary, Sink(temporary) as sink, h5netcdf.File(sink, "w") as file:
         file.attrs.update(table.attrs)
-        for number, name in enumerate(sizes):
-            scale = _create(file, name, table[name])
-            scale.make_scale(name)
-            scale.attrs["_Netcdf4Dimid"] = np.int32(number)
+        file.dimensions = sizes
         for name, variable in table.items():
-            if name in sizes:
-                continue
-            stored = _create(file, name, variable)
-            for axis, dimension in enumerate(variable.dims):
-                stored.dims[axis].attach_scale(file[dimension])
-            if name in table.variables:
-                stored.attrs["_FillValue"] = np.array([np.nan])
-                along = {
-                    n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)
-                }
-                if along:
-                    stored.attrs["coordinates"] = " ".join(sorted(along))
-
-
-def _create(file: h5py.File, name: str, variable: Variable) -> h5py.Dataset:
-    values, options = variable.values, {}
-    if values.size > COMPRESSED:
-        options = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-    kind = h5py.string_dtype() if values.dtype == object else values.dtype
-    fill = None if values.dtype == object or name in variable.dims else np.nan
-    stored = file.create_dataset(name, data=values, dtype=kind, fillvalue=fill, **options)
-    stored.attrs.update(variable.attrs)
-    return stored
+            words, measured = variable.values.dtype == object, name in table.variables
+            options: dict[str, Any] = {"fillvalue": np.nan} if measured else {}
+            if variable.values.size > COMPRESSED:
+                options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+            kind = h5py.string_dtype() if words else variable.values.dtype
+            stored = file.create_variable(name, variable.dims, kind, data=variable.values, **options)
+            stored.attrs.update(variable.attrs)
+            beside = {n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)}
+            if measured and beside:
+                stored.attrs["coordinates"] = " ".join(sorted(beside))
 
 
 def read(path: Path) -> Table:
     """A file of `write`, in memory and closed. OutputError when it cannot be read."""
     try:
-        with h5py.File(path) as file:
-            beside = {word for stored in file.values() for word in str(stored.attrs.get("coordinates", "")).split()}
-            found = {name: _load(name, stored) for name, stored in file.items()}
+        with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
+            beside = {
+                word for stored in file.variables.values() for word in stored.attrs.get("coordinates", "").split()
+            }
+            found = {name: _load(stored) for name, stored in file.variables.items()}
             attrs = dict(file.attrs)
     except (OSError, KeyError, RuntimeError) as error:
         raise OutputError(path, str(error), NOT_OF_A_RUN, verb="read") from error
@@ -106,11 +93,9 @@ def read(path: Path) -> Table:
     return Table({name: v for name, v in found.items() if name not in coordinates}, coordinates, attrs)
 
 
-def _load(name: str, stored: h5py.Dataset) -> Variable:
-    dims = (name,) if stored.is_scale else tuple(axis[0].name.strip("/") for axis in stored.dims)
-    values = stored.asstr()[...] if h5py.check_string_dtype(stored.dtype) else stored[...]
-    own = ("units", "long_name", "symbol", "standard_name", "axis")
-    return Variable(dims, values, {key: stored.attrs[key] for key in own if key in stored.attrs})
+def _load(stored: Any) -> Variable:
+    attrs = {key: value for key, value in stored.attrs.items() if key not in ("coordinates", "_FillValue")}
+    return Variable(stored.dimensions, stored[...], attrs)
 
 
 def read_dataset(path: Path) -> xarray.Dataset:

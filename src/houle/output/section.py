@@ -56,9 +56,7 @@ class Section:
         pixels = (round(box.width / panel.figure.dpi * drawing.DPI), round(box.height / panel.figure.dpi * drawing.DPI))
         extent = (0.0, self.grid.size[0], 0.0, self.height)
         look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "nearest", "zorder": 2}
-        return panel.imshow(
-            self.pressures(frame, pixels), cmap=drawing.pressures(), norm=scale, extent=extent, **look
-        )
+        return panel.imshow(self.pressures(frame, pixels), cmap=drawing.pressures(), norm=scale, extent=extent, **look)
 
     def pressures(self, frame: Frame, pixels: tuple[int, int]) -> FloatArray:
         """[kPa] at the pixels (z, x) of a panel, NaN where no water is.
