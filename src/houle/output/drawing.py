@@ -227,7 +227,7 @@ def draw_bodies(
                 "zorder": 5,
                 "bbox": ground,
             }
-            panel.annotate(body.words, (x, z), (0, 3), textcoords="offset points", bbox=ground, **look)
+            panel.annotate(body.words, (x, z), (0, 3), textcoords="offset points", **look)
     for body in solid:
         panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
 
