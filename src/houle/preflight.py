@@ -15,7 +15,7 @@ from houle.case import Case
 from houle.checks import BYTES, expected_speed
 from houle.layout import Body, Section
 from houle.resistance import Passport, passport
-from houle.simulation import WAVE_SHARE
+from houle.step import WAVE_SHARE
 from houle.wave_checks import reach, wave_of
 
 MICROSECONDS = 1.0  # of one core per particle and step, everything on; `houle bench` measures yours

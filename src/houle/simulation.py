@@ -27,14 +27,12 @@ from houle.remesh import STRATEGIES
 from houle.remeshing import Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.seeding import seed
-from houle.step import STEPS
+from houle.step import STEPS, WAVE_SHARE
 from houle.transfer import make
 from houle.waves.makers import damping, make_maker
 from houle.waves.sponge import resist, way_length
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
-
-WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
 
 
 class Simulation:
