@@ -6,11 +6,13 @@ All of it is exact for polygons, and done once, before the run.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from houle.flow import Flow
 from houle.geometry import Shape, section
 from houle.grid import FloatArray, Grid
 from houle.moments import edges
@@ -44,6 +46,17 @@ def mean_of_known(values: FloatArray, weight: FloatArray) -> FloatArray:
     total = share.sum(axis=1)
     found = np.where(known, values, 0.0)
     return np.where(total >= 0.5, (share * found).sum(axis=1) / np.maximum(total, 0.5), np.nan)
+
+
+def wet_share(flow: Flow, columns: Any) -> FloatArray:
+    """Share of each cell that is under water, from its bottom up, in some columns (..., nz).
+
+    Cells between the water and a surface tell by their depth; those deeper are wet, however the particles lie in them.
+    """
+    active, open_ = flow.active[columns] > 0, flow.medium.open_cells[columns] > 0.0
+    covered = np.ones(active.shape, bool)
+    covered[..., :-1] = active[..., 1:] | ~open_[..., 1:]
+    return np.where(active & covered, 1.0, np.clip(flow.depth[columns] + 0.5, 0.0, 1.0))
 
 
 def crossings(area: shapely.Geometry, x: FloatArray) -> tuple[FloatArray, FloatArray]:

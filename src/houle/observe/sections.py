@@ -7,7 +7,7 @@ import shapely
 
 from houle.flow import Flow
 from houle.grid import FloatArray, Grid
-from houle.observe.profile import around, layer_at, open_spans
+from houle.observe.profile import around, layer_at, open_spans, wet_share
 from houle.porous import Medium, partition
 
 
@@ -35,8 +35,7 @@ class Section:
 
     def discharge(self, flow: Flow) -> float:
         u = (1.0 - self.share) * flow.velocity[0][self.face] + self.share * flow.velocity[0][self.face + 1]
-        depth = (self.weight * flow.depth[self.column].reshape(2, -1)).sum(axis=0)
-        wet = np.clip(depth + 0.5, 0.0, 1.0).reshape(-1, len(self.bottom))  # of the cell, from its bottom
+        wet = (self.weight * wet_share(flow, self.column).reshape(2, -1)).sum(axis=0).reshape(-1, len(self.bottom))
         top = self.bottom + flow.grid.spacing[-1] * wet
         opening = np.clip(top, self.spans[..., 0], self.spans[..., 1]) - self.spans[..., 0]
         return self.width * float(np.sum(u.reshape(opening.shape) * opening))
