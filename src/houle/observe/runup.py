@@ -15,8 +15,8 @@ class RunUp:
     """The tip (x, level) [m] of the water between `ends` = (x in the water, x up the slope), NaN when the first is dry.
 
     From the seaward end the columns are followed as long as the water above solids and porous bodies is thicker than
-    the threshold. Between the last such column and the next, the tip is where the surface, a straight line, comes
-    nearer to the slope than that. At a wall it is where the surface meets the wall. In 3D the highest tip of all rows.
+    the threshold. Between the last such column and the next, the tip is where the surface, the straight line through
+    the last two, comes nearer to the slope than that. At a wall it is where the surface meets the wall. In 3D the highest tip of all rows.
     """
 
     def __init__(self, flow: Flow, ends: tuple[float, float], threshold: float) -> None:
@@ -44,9 +44,7 @@ class RunUp:
             return np.nan, np.nan
         level, last, every = level[some], last[some], np.arange(len(some))
         here = level[every, last]
-        after, before = level[every, np.minimum(last + 1, n - 1)], level[every, np.maximum(last - 1, 0)]
-        follows = (last + 1 < n) & (after > self.bed[some, np.minimum(last + 1, n - 1)])
-        steepness = np.where(follows, after - here, here - before)  # per cell
+        steepness = here - level[every, np.maximum(last - 1, 0)]  # per cell
         at = np.minimum(last[:, None] * PARTS + np.arange(PARTS + 1), self.fine.size - 1)
         away = self.way * (self.fine[at] - self.x[last][:, None]) / flow.grid.spacing[0]  # [cells]
         line = here[:, None] + steepness[:, None] * away
