@@ -16,7 +16,8 @@ class RunUp:
 
     From the seaward end the columns are followed as long as the water above solids and porous bodies is thicker than
     the threshold. Between the last such column and the next, the tip is where the surface, the straight line through
-    the last two, comes nearer to the slope than that. At a wall it is where the surface meets the wall. In 3D the highest tip of all rows.
+    the last two, comes nearer to the slope than that. At a wall it is where the surface meets the wall. In 3D it is the
+    highest tip of all rows.
     """
 
     def __init__(self, flow: Flow, ends: tuple[float, float], threshold: float) -> None:
