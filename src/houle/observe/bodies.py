@@ -1,4 +1,4 @@
-"""The force of the water on the grains of a porous body: buoyancy, drag and inertia (docs/theory.md, section 14)."""
+"""The force of the water on the grains of a porous body: buoyancy, drag and inertia (docs/theory.md, section 15)."""
 
 from __future__ import annotations
 
