@@ -54,6 +54,7 @@ def made_case(dimension=2):
         porous=[SimpleNamespace(name="block", porosity=0.5, box=box, polygon=None, below=None)],
         solid=[],
         gate=[],
+        **dict.fromkeys(("runup", "overtopping", "flux", "phreatic", "force"), ()),
         to_toml=lambda: "[case]",
     )
 

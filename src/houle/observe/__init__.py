@@ -1,7 +1,7 @@
 """What is observed while a case runs. Everything is placed once; a sample is a few operations on slices of the grid.
 
     Observers(case, flow)      .sample() -> arrays by name; .after_step(dt); .lag(step); .state(), .restore(state)
-    stations(case)             names and coordinates of what is observed, by dimension of the results
+    stations(case, grid)       names and coordinates of what is observed, by dimension of the results
 
 Levels of the surface and volumes are those of the positions, at the ends of steps. A force is that of the instant of
 the pressure. To add an observable: a class like `levels.Gauges`, a line in `Observers`, its fields in fields.py.
@@ -15,7 +15,7 @@ import numpy as np
 
 from houle.flow import Flow
 from houle.geometry import Shape, shape_of
-from houle.grid import FloatArray
+from houle.grid import FloatArray, Grid
 from houle.observe.bodies import BodyLoad
 from houle.observe.levels import Gauges, Phreatic
 from houle.observe.points import Sensors, at_points
@@ -37,19 +37,19 @@ class Observers:
     """Everything a case observes, placed in its flow. `case` has .gauge, .sensor, .runup, ... as in case.py."""
 
     def __init__(self, case: Any, flow: Flow) -> None:
-        self.case, self.flow = case, flow
-        d = flow.grid.dimension
+        self.case, self.flow, grid = case, flow, flow.grid
+        d = grid.dimension
         self.gauges = Gauges(flow, [_plan(g, d) for g in case.gauge])
         self.sensors = Sensors(flow, np.array([s.at for s in case.sensor], float))
         self.runups = [RunUp(flow, r.x, r.threshold or 0.5 * flow.grid.spacing[0]) for r in case.runup]
         self.overtoppings = [Overtopping(flow, o.x, o.level, o.to == "right") for o in case.overtopping]
         self.sections = [Section(flow, f.x, *(f.between or (-np.inf, np.inf))) for f in case.flux]
-        self.phreatics = [Phreatic(flow, _body_shape(case, p.body), _line(case, p)) for p in case.phreatic]
+        self.phreatics = [Phreatic(flow, _body_shape(case, p.body), _line(case, p, grid)) for p in case.phreatic]
         self.loads = [self._load(entry) for entry in case.force]
 
     def _load(self, entry: Any) -> SurfaceLoad | BodyLoad:
         case, flow = self.case, self.flow
-        about = np.array(_about(case, entry))
+        about = np.array(_about(case, entry, flow.grid))
         if entry.side is not None:
             return SurfaceLoad(flow, patches_of_side(flow, entry.side), about)
         names = [b.name for b in case.porous]
@@ -112,13 +112,13 @@ class Observers:
             o.state = state[f"overtopping.{i}"]
 
 
-def stations(case: Any) -> Stations:
+def stations(case: Any, grid: Grid) -> Stations:
     """Names and coordinates [m] of what is observed, beside gauges and sensors, by dimension of the results."""
-    d, end = case.dimension, case.domain.size[-1]
+    d, end = grid.dimension, grid.size[-1]
     axes = "xz" if d == 2 else "xyz"
     between = [f.between or (0.0, end) for f in case.flux]
-    lines = [_line(case, p) for p in case.phreatic]
-    about = np.array([_about(case, f) for f in case.force]).reshape(-1, d)
+    lines = [_line(case, p, grid) for p in case.phreatic]
+    about = np.array([_about(case, f, grid) for f in case.force]).reshape(-1, d)
     found: Stations = {
         "runup": (_names(case.runup), {"from": [r.x[0] for r in case.runup], "to": [r.x[1] for r in case.runup]}),
         "overtopping": (
@@ -150,24 +150,24 @@ def _body_shape(case: Any, name: str) -> Shape:
     return shape_of(next(b for b in (*case.porous, *case.solid) if b.name == name), case.dimension)
 
 
-def _line(case: Any, entry: Any) -> FloatArray:
+def _line(case: Any, entry: Any, grid: Grid) -> FloatArray:
     """Places (N, d - 1) in plan of a phreatic line: the x it names, or every column of the grid in the body."""
-    x = np.array(entry.x or _columns(case, entry.body))
-    return x[:, None] if case.dimension == 2 else np.stack([x, np.full(len(x), entry.y)], axis=1)
+    x = np.array(entry.x or _columns(case, entry.body, grid))
+    return x[:, None] if grid.dimension == 2 else np.stack([x, np.full(len(x), entry.y)], axis=1)
 
 
-def _columns(case: Any, name: str) -> FloatArray:
+def _columns(case: Any, name: str, grid: Grid) -> FloatArray:
     lower, upper = _body_shape(case, name).bounds
-    x = case.domain.grid.axis_points(0)
+    x = grid.axis_points(0)
     inside = x[(x >= lower[0]) & (x <= upper[0])]
     return inside if len(inside) else np.array([0.5 * (lower[0] + upper[0])])
 
 
-def _about(case: Any, entry: Any) -> tuple[float, ...]:
+def _about(case: Any, entry: Any, grid: Grid) -> tuple[float, ...]:
     """The point of the moments: as given, or the foot of the wall, or the middle of the body's base."""
     if entry.about is not None:
         return entry.about
-    low, high = np.zeros(case.dimension), np.array(case.domain.size)
+    low, high = np.zeros(grid.dimension), np.array(grid.size)
     if entry.side is not None:
         axis, end = SIDES[entry.side]
         low[axis] = high[axis] = high[axis] * end

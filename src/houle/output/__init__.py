@@ -80,7 +80,7 @@ class Outputs:
         about = _about(case)
         gauges = [(gauge.name, _plan(gauge, grid.dimension)) for gauge in case.gauge]
         sensors = [(sensor.name, tuple(sensor.at)) for sensor in case.sensor]
-        self.series = SeriesWriter(folder, gauges, sensors, grid.dimension, about, stations(case))
+        self.series = SeriesWriter(folder, gauges, sensors, grid.dimension, about, stations(case, grid))
         self.surface = SurfaceWriter(folder, grid, about)
         self.fields = FieldsWriter(folder, grid, about)
         self._committed = clock.monotonic()
