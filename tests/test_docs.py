@@ -20,8 +20,9 @@ CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 TABLES = {
     "case": case.Head, "domain": case.Domain, "fluid": case.Fluid, "water": case.Water, "porous": case.Porous,
     "solid": case.Solid, "gate": case.Gate, "waves": Waves, "sponge": case.Sponge, "gauge": case.Gauge,
-    "sensor": case.Sensor, "time": case.Time, "numerics": case.Numerics, "output": case.Output,
-    "reference": case.Reference,
+    "sensor": case.Sensor, "runup": case.RunUp, "overtopping": case.Overtopping, "force": case.Force,
+    "phreatic": case.Phreatic, "flux": case.Flux, "time": case.Time, "numerics": case.Numerics,
+    "output": case.Output, "reference": case.Reference,
 }  # fmt: skip
 
 

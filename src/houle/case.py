@@ -320,6 +320,66 @@ class Sensor(Table):
     at: Point = Field(description="position [x, z], 3D [x, y, z] [m]")
 
 
+class RunUp(Table):
+    """[[runup]]: where the water ends on a slope or at a wall."""
+
+    name: Name = Field(default="", description="name in the results; R1, R2, ... when left out")
+    x: Point2 = Field(description="range, from a place always in the water to the crest or the wall [m]")
+    threshold: float | None = Field(
+        default=None, gt=0, description="water thinner than this is not counted, half a spacing when left out [m]"
+    )
+
+
+class Overtopping(Table):
+    """[[overtopping]]: water that comes over a crest."""
+
+    name: Name = Field(default="", description="name in the results; O1, O2, ... when left out")
+    x: float = Field(description="position of the crest [m]")
+    level: float | None = Field(
+        default=None, ge=0, description="what passes below it is not counted; when left out, all is [m]"
+    )
+    to: Literal["left", "right"] = Field(default="right", description="the side behind the crest")
+
+
+class Force(Table):
+    """[[force]]: force and moment of the water on a solid, a porous body, or a side of the tank."""
+
+    name: Name = Field(default="", description="name in the results; F1, F2, ... when left out")
+    body: str | None = Field(default=None, description="name of a [[solid]] or [[porous]]")
+    side: Literal["left", "right", "front", "back", "bottom", "top"] | None = Field(
+        default=None, description="of the tank, instead of a body"
+    )
+    about: Point | None = Field(
+        default=None, description="point of the moments; middle of the base or foot of the wall when left out [m]"
+    )
+
+    @model_validator(mode="after")
+    def one_thing(self) -> Force:
+        if (self.body is None) == (self.side is None):
+            given = "both body and side are given" if self.body else "neither body nor side is given"
+            raise ValueError(f': {given}; give body = "name of a solid or porous body", or side = "right", ...')
+        return self
+
+
+class Phreatic(Table):
+    """[[phreatic]]: level of the water in the pores of a body."""
+
+    name: Name = Field(default="", description="name in the results; L1, L2, ... when left out")
+    body: str = Field(description="name of a [[porous]]")
+    x: Annotated[tuple[float, ...], Field(strict=False, min_length=1)] | None = Field(
+        default=None, description="positions; every column of the grid in the body when left out [m]"
+    )
+    y: float | None = Field(default=None, description="position, 3D only [m]")
+
+
+class Flux(Table):
+    """[[flux]]: discharge through an upright section."""
+
+    name: Name = Field(default="", description="name in the results; Q1, Q2, ... when left out")
+    x: float = Field(description="position [m]")
+    between: Point2 | None = Field(default=None, description="two levels, floor and lid when left out [m]")
+
+
 class Time(Table):
     """[time]"""
 
@@ -400,7 +460,10 @@ class Reference(Table):
     volume: float | None = Field(default=None, gt=0, description="water volume of the experiment [m3], 2D [m2]")
 
 
-PREFIXES = {"porous": "porous-", "solid": "solid-", "sponge": "sponge-", "gauge": "G", "sensor": "P"}  # of names
+PREFIXES = {  # of names
+    "porous": "porous-", "solid": "solid-", "sponge": "sponge-", "gauge": "G", "sensor": "P", "runup": "R",
+    "overtopping": "O", "force": "F", "phreatic": "L", "flux": "Q",
+}  # fmt: skip
 
 
 class Case(Table):
@@ -419,6 +482,11 @@ class Case(Table):
     sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
     gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
     sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
+    runup: Annotated[tuple[RunUp, ...], Field(strict=False, description="run-up on slopes and walls")] = ()
+    overtopping: Annotated[tuple[Overtopping, ...], Field(strict=False, description="water over crests")] = ()
+    force: Annotated[tuple[Force, ...], Field(strict=False, description="forces on structures")] = ()
+    phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
+    flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
     time: Time
     numerics: Numerics = Numerics()
     output: Output = Output()
@@ -460,11 +528,19 @@ class Case(Table):
             )
         if self.waves is not None and self.waves.direction and d == 2:
             found.append(f"waves.direction = {self.waves.direction:g} degrees in 2D, where waves go along x: remove it")
-        for i, gauge in enumerate(self.gauge):
-            if (gauge.y is None) == (d == 3):
-                place = case_errors.place(("gauge", i, "y"), self.__dict__)
-                found.append(f"{place} is {'missing in 3D: add y [m]' if d == 3 else 'given in 2D: remove it'}")
-        for key in ("porous", "solid", "sponge", "gauge", "sensor"):
+        for key in ("gauge", "phreatic"):
+            for i, row in enumerate(getattr(self, key)):
+                if (row.y is None) == (d == 3):
+                    place = case_errors.place((key, i, "y"), self.__dict__)
+                    found.append(f"{place} is {'missing in 3D: add y [m]' if d == 3 else 'given in 2D: remove it'}")
+        found += self._unknown_bodies()
+        for i, force in enumerate(self.force):
+            place = case_errors.place(("force", i), self.__dict__)
+            if force.about is not None and len(force.about) != d:
+                found.append(f"{place}.about has {len(force.about)} numbers, domain.size has {d}: give {d}")
+            if d == 2 and force.side in ("front", "back"):
+                found.append(f'{place}.side = "{force.side}" exists in 3D only; this domain has two sizes')
+        for key in PREFIXES:
             names = [row.name for row in getattr(self, key)]
             found += [
                 f"{key}: the name {n} is given twice; names must differ"
@@ -473,6 +549,22 @@ class Case(Table):
         if found:
             raise ValueError("\n".join(found))
         return self
+
+    def _unknown_bodies(self) -> list[str]:
+        """What is wrong with the names of bodies whose force or phreatic line is asked for."""
+        porous, solid = [b.name for b in self.porous], [b.name for b in self.solid]
+        wanted = [("force", i, f.body, porous + solid) for i, f in enumerate(self.force) if f.body is not None]
+        wanted += [("phreatic", i, p.body, porous) for i, p in enumerate(self.phreatic)]
+        found = []
+        for key, i, name, names in wanted:
+            what = f'{case_errors.place((key, i, "body"), self.__dict__)} = "{name}"'
+            if name not in names:
+                kind = "porous body" if key == "phreatic" else "porous body or solid"
+                there = f" There are: {', '.join(names)}" if names else f" The case has no {kind}"
+                found.append(f"{what} is the name of no {kind}.{case_errors.nearest(name, names)}{there}")
+            elif names.count(name) > 1:
+                found.append(f"{what} is the name of a porous body and of a solid: rename one of them")
+        return found
 
     @property
     def path(self) -> Path | None:

@@ -194,6 +194,43 @@ def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]
         yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")
 
 
+def observables(s: Section) -> Iterator[Finding]:
+    """Run-ups, crests, sections and phreatic lines lie in the domain, and where there is something to observe."""
+    case, h = s.case, s.grid.spacing[0]
+    for i, runup in enumerate(case.runup):
+        key = place(("runup", i, "x"), case.__dict__)
+        for end in runup.x:
+            yield from _outside(s, key, end, 0)
+        if abs(runup.x[1] - runup.x[0]) < 2 * h:
+            text = f"= {show(runup.x)} is shorter than 2 spacings of {h:.3g} m: from the water to the crest or the wall"
+            yield Finding("error", key, text)
+    for kind in ("overtopping", "flux"):
+        for i, row in enumerate(getattr(case, kind)):
+            key = place((kind, i), case.__dict__)
+            yield from _outside(s, f"{key}.x", row.x, 0)
+            if kind == "overtopping":
+                levels, name = [] if row.level is None else [row.level], "level"
+                if case.domain.periodic[0]:
+                    text = 'cannot tell the side behind the crest where walls = {x = "periodic"}: observe a [[flux]]'
+                    yield Finding("error", key, text)
+            else:
+                levels, name = list(row.between or ()), "between"
+            for level in levels:
+                yield from _outside(s, f"{key}.{name}", level, case.dimension - 1)
+            if len(levels) == 2 and levels[0] >= levels[1]:
+                yield Finding("error", f"{key}.between", f"= {show(levels)} is empty: the lower level stands first")
+    for i, line in enumerate(case.phreatic):
+        key = place(("phreatic", i), case.__dict__)
+        body = next(b for b in s.porous if b.entry.name == line.body)
+        low, high = (float(c[0]) for c in body.shape.bounds)
+        for x in line.x or ():
+            if not max(low, 0.0) <= x <= min(high, s.grid.size[0]):
+                text = f"= {x:g} lies beside {body.key}, {low:g} <= x <= {high:g} m.{_metres(x, high)}"
+                yield Finding("error", f"{key}.x", text)
+        if line.y is not None:
+            yield from _outside(s, f"{key}.y", line.y, 1)
+
+
 def gates(s: Section) -> Iterator[Finding]:
     """Gates stand between two columns of cells, on a face of the grid."""
     h, size = s.grid.spacing[0], s.case.domain.size[0]
@@ -284,6 +321,7 @@ CHECKS = (
     grid_resolves,
     spacing_divides,
     instruments,
+    observables,
     gates,
     times,
     materials,

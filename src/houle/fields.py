@@ -10,7 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-Place = Literal["particle", "face", "centre", "surface", "gauge", "sensor", "run"]
+Place = Literal[
+    "particle", "face", "centre", "surface", "gauge", "sensor", "runup", "overtopping", "flux", "phreatic",
+    "structure", "run",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,58 @@ FIELDS: tuple[Field, ...] = (
     Field("eta", r"\eta", "m", "gauge", "level of the free surface above z = 0, NaN when dry", standard_name=_LEVEL),
     Field("pressure", "p", "Pa", "sensor", "pressure above the air; in a structure, the pore pressure"),
     Field("velocity", "u_d", "m s-1", "sensor", "Darcy velocity", vector=True),
+    Field("runup_x", "x_R", "m", "runup", "where the connected water ends on the slope, NaN when dry"),
+    Field(
+        "runup_level",
+        "R",
+        "m",
+        "runup",
+        "level above z = 0 of the end of the connected water, NaN when dry",
+        standard_name=_LEVEL,
+    ),
+    Field(
+        "overtopping_volume",
+        "V_o",
+        "m3",
+        "overtopping",
+        "volume of water that has passed the crest above the level given, since the start",
+        unit_2d="m2",
+    ),
+    Field(
+        "overtopping_discharge",
+        "q_o",
+        "m3 s-1",
+        "overtopping",
+        "rate of change of overtopping_volume",
+        unit_2d="m2 s-1",
+    ),
+    Field("discharge", "q", "m3 s-1", "flux", "discharge through the section towards larger x", unit_2d="m2 s-1"),
+    Field(
+        "phreatic_level",
+        r"\eta_p",
+        "m",
+        "phreatic",
+        "level of the water in the pores above z = 0, NaN where dry",
+        standard_name=_LEVEL,
+    ),
+    Field(
+        "force",
+        "F",
+        "N",
+        "structure",
+        "force of the water: pressure, and in a porous body drag",
+        unit_2d="N m-1",
+        vector=True,
+    ),
+    Field("drag_force", "F_d", "N", "structure", "the part of the force that is drag", unit_2d="N m-1", vector=True),
+    Field(
+        "moment",
+        "M",
+        "N m",
+        "structure",
+        "moment of the force about the point given; in 2D about y, positive when it tips towards larger x",
+        unit_2d="N",
+    ),
     # ledger
     Field("time", "t", "s", "run", "simulated time"),
     Field("volume", "V", "m3", "run", "water volume carried by the particles", unit_2d="m2"),

@@ -77,6 +77,7 @@ class Flow:
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
+        self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
         self.makers: list[Maker] = []  # of waves
         self.push: Faces = []  # their accelerations [m/s2]
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none

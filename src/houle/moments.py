@@ -38,8 +38,8 @@ def edges(area: shapely.Geometry, spacing: Sequence[float]) -> FloatArray:
     return np.concatenate(found)
 
 
-def _cut(edge: FloatArray) -> FloatArray:
-    """Pieces (P, 2, 2) of an edge (2, 2) cut at every lattice line."""
+def cut(edge: FloatArray) -> FloatArray:
+    """Pieces (P, 2, 2) of an edge (2, 2) of `edges`, cut at every lattice line."""
     start, step = edge[0], edge[1] - edge[0]
     cuts = [np.array([0.0, 1.0])]
     for a in (0, 1):
@@ -68,7 +68,7 @@ def section_moments(area: shapely.Geometry, spacing: Sequence[float], shape: tup
     moments = np.zeros((2, 2, *shape))
     if len(outline) == 0:
         return moments
-    piece = np.concatenate([_cut(edge) for edge in outline])
+    piece = np.concatenate([cut(edge) for edge in outline])
     cell = np.clip(np.floor(piece.mean(axis=1)).astype(int), 0, np.array(shape) - 1)
     flat = np.ravel_multi_index((cell[:, 0], cell[:, 1]), shape)
     columns = np.zeros((2, *shape))

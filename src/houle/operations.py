@@ -123,6 +123,7 @@ def apply_forces(flow: Flow, dt: float) -> None:
         flow.resisted = flow.resisted or flow.grid.faces()
     resistance = (m.inertia, flow.linear, m.forchheimer, m.inverse_n2) if resists else ([], [], [], None)
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
+    flow.kick = dt
     _core.apply_forces(
         flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
         flow.velocity, flow.drag, flow.mobility, flow.resisted,

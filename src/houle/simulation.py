@@ -19,7 +19,7 @@ from houle.frame import Frame
 from houle.geometry import shape_of
 from houle.grid import FloatArray
 from houle.ledger import OPERATIONS, WORKS, Ledger
-from houle.observe import at_points, levels_at
+from houle.observe import Observers, at_points
 from houle.operations import arrange, prepare
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
@@ -62,6 +62,7 @@ class Simulation:
         self.wave = self._add_waves()
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
+        self.observers = Observers(case, self.flow)
 
     @property
     def particles(self) -> Particles:
@@ -101,6 +102,7 @@ class Simulation:
         try:
             self.step.advance(self.flow, self.step_size, last, self.ledger)
             self.ledger.close()
+            self.observers.after_step(self.step_size)
             self.time = stop if count == 1 else self.time + self.step_size
             self.steps += 1
             self._check()
@@ -177,19 +179,12 @@ class Simulation:
     def lag(self) -> dict[str, float]:
         """By how much of a step what sample() gives is older than `time`; names left out are of `time`."""
         moving = ("velocity", "kinetic_energy", "max_speed", *(f"momentum_{axis}" for axis in "xyz"), *WORKS)
-        return {"pressure": self.step.pressure_lag, **dict.fromkeys(moving, self.step.velocity_lag)}
+        observed = self.observers.lag(self.step.velocity_lag, self.step.pressure_lag)
+        return {**observed, **dict.fromkeys(moving, self.step.velocity_lag)}
 
     def sample(self) -> dict[str, FloatArray]:
-        """Gauges, sensors and the ledger now; names and units in fields.py."""
-        case, flow = self.case, self.flow
-        sensors = np.array([s.at for s in case.sensor]).reshape(-1, self.grid.dimension)
-        pressure, velocity = at_points(flow, sensors)
-        return {
-            "eta": levels_at(flow, [(g.x,) if g.y is None else (g.x, g.y) for g in case.gauge]),
-            "pressure": case.fluid.density * pressure,
-            "velocity": velocity,
-            **self._ledger_row(),
-        }
+        """Gauges, sensors, what else the case observes, and the ledger now; names and units in fields.py."""
+        return {**self.observers.sample(), **self._ledger_row()}
 
     def _ledger_row(self) -> dict[str, FloatArray]:
         flow, ledger, rho = self.flow, self.ledger, self.case.fluid.density
@@ -277,6 +272,7 @@ class Simulation:
             **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
             **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
             **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
+            **self.observers.state(),
         }
 
     def restore(self, state: dict[str, FloatArray]) -> None:
@@ -303,6 +299,7 @@ class Simulation:
                 ledger.notes[name] = float(value)
             elif kind == "transfer":
                 self.step.transfer.arrays[name] = np.array(value)
+        self.observers.restore(state)
         self._place_gates()
         arrange(flow, self.step.transfer)
 

@@ -39,6 +39,7 @@ from typing import Any
 
 from houle.frame import Frame
 from houle.grid import Grid
+from houle.observe import stations
 from houle.output.atomic import OutputError
 from houle.output.checkpoint import Checkpoint, checkpoints, load_newest, save_checkpoint
 from houle.output.fields import FieldsReader, FieldsWriter, read_fields
@@ -79,7 +80,7 @@ class Outputs:
         about = _about(case)
         gauges = [(gauge.name, _plan(gauge, grid.dimension)) for gauge in case.gauge]
         sensors = [(sensor.name, tuple(sensor.at)) for sensor in case.sensor]
-        self.series = SeriesWriter(folder, gauges, sensors, grid.dimension, about)
+        self.series = SeriesWriter(folder, gauges, sensors, grid.dimension, about, stations(case, grid))
         self.surface = SurfaceWriter(folder, grid, about)
         self.fields = FieldsWriter(folder, grid, about)
         self._committed = clock.monotonic()

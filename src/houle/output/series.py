@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.fields import Field, find
+from houle.fields import Field, at, find
 from houle.output import netcdf
 from houle.output.netcdf import Table, Variable
 
@@ -17,20 +17,33 @@ if TYPE_CHECKING:
     import xarray
 
 NAME = "series.nc"
-OBSERVED = {"eta": "gauge", "pressure": "sensor", "velocity": "sensor"}  # what is not a scalar of the ledger
+# What is not a scalar of the ledger, and where it is observed
+OBSERVED = {"eta": "gauge", "pressure": "sensor", "velocity": "sensor"} | {
+    field.name: place for place in ("runup", "overtopping", "flux", "phreatic", "structure") for field in at(place)
+}
+ALWAYS = ("gauge", "sensor")  # their values are in every row, if only as empty arrays
 
 Row = dict[str, NDArray]
 Points = Sequence[tuple[str, Sequence[float]]]  # names and positions
+Stations = Mapping[str, tuple[Sequence[str], Mapping[str, Sequence[float]]]]
 
 
 class SeriesWriter(netcdf.Growing):
-    """gauges: (name, (x,) or (x, y)) each; sensors: (name, position) each; attributes: global ones of the file."""
+    """gauges: (name, (x,) or (x, y)) each; sensors: (name, position) each; attributes: global ones of the file;
+    stations: names and coordinates [m] of what else is observed, by dimension (`houle.observe.stations`)."""
 
     def __init__(
-        self, directory: Path, gauges: Points, sensors: Points, dimension: int, attributes: Mapping[str, str]
+        self,
+        directory: Path,
+        gauges: Points,
+        sensors: Points,
+        dimension: int,
+        attributes: Mapping[str, str],
+        stations: Stations | None = None,
     ) -> None:
         super().__init__(Path(directory) / NAME, attributes)
         self.dimension, self.gauges, self.sensors = dimension, list(gauges), list(sensors)
+        self.stations = stations or {}
 
     def append(self, time: float, sample: Mapping[str, Any]) -> None:
         """One row [s]: what Simulation.sample() returns. Every row has the same names, each in the table of fields."""
@@ -47,14 +60,15 @@ class SeriesWriter(netcdf.Growing):
         variables = {name: self._variable(name) for name in names if names[name].size}
         times = Variable(("time",), np.array(self.times), describe(find("time"), self.dimension))
         coordinates = {"time": times, **_points("gauge", self.gauges), **_points("sensor", self.sensors)}
-        if "velocity" in variables:
+        coordinates |= {k: v for kind, entry in self.stations.items() for k, v in _stations(kind, *entry).items()}
+        if any("axis" in v.dims for v in variables.values()):
             letters = np.array(list(axes(self.dimension)), dtype=object)
             coordinates["axis"] = Variable(("axis",), letters, {"long_name": "axis, z is up"})
         return Table(variables, coordinates, self.attributes)
 
     def rows_of(self, stored: Table, count: int) -> list[Row]:
         columns = {name: v.values for name, v in stored.variables.items() if name not in OBSERVED}
-        columns |= {name: self._observed(stored, name) for name in OBSERVED}
+        columns |= {n: self._observed(stored, n) for n, p in OBSERVED.items() if n in stored or p in ALWAYS}
         return [{name: np.asarray(column[i]) for name, column in columns.items()} for i in range(count)]
 
     def _observed(self, stored: Table, name: str) -> NDArray:
@@ -73,7 +87,7 @@ class SeriesWriter(netcdf.Growing):
         place = OBSERVED.get(name)
         if place is None:
             return Variable(("time",), values, attributes)
-        tail = ("axis",) if name == "velocity" else ()
+        tail = ("axis",) if values.ndim == 3 else ()
         return Variable((place, "time", *tail), np.moveaxis(values, 0, 1), attributes)
 
 
@@ -108,4 +122,13 @@ def _points(kind: str, points: Points) -> dict[str, Variable]:
     for a, axis in enumerate(names):
         attributes = {"units": "m", "long_name": f"{axis} of the {kind}"}
         result[f"{kind}_{axis}"] = Variable((kind,), np.array([float(at[a]) for _, at in points]), attributes)
+    return result
+
+
+def _stations(kind: str, names: Sequence[str], coordinates: Mapping[str, Sequence[float]]) -> dict[str, Variable]:
+    """Coordinates runup, runup_from, ... of what is observed along a dimension."""
+    result = {kind: Variable((kind,), np.array(names, dtype=object), {"long_name": f"name of the {kind}"})}
+    for word, values in coordinates.items():
+        attributes = {"units": "m", "long_name": f"{word.replace('_', ' ')} of the {kind}"}
+        result[f"{kind}_{word}"] = Variable((kind,), np.array(values, dtype=float), attributes)
     return result

@@ -1,0 +1,73 @@
+"""Run-up: where the water that is connected with the sea ends on a slope or at a wall."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from houle.flow import Flow
+from houle.grid import FloatArray
+from houle.observe.profile import ground
+
+PARTS = 16  # of a cell, in which the profile of the slope is known
+
+
+class RunUp:
+    """The tip (x, level) [m] of the water between `ends` = (x in the water, x up the slope), NaN when the first is dry.
+
+    From the seaward end the columns are followed as long as the water above solids and porous bodies is thicker than
+    the threshold. Between the last such column and the next, the tip is where the surface, the straight line through
+    the last two, comes nearer to the slope than that. At a wall it is where the surface meets the wall. In 3D it is the
+    highest tip of all rows.
+    """
+
+    def __init__(self, flow: Flow, ends: tuple[float, float], threshold: float) -> None:
+        grid = flow.grid
+        h, self.threshold = grid.spacing[0], threshold
+        low, high = (int(np.floor(x / h + 1e-9)) for x in sorted(ends))
+        count = min(high, grid.shape[0] - 1) - low + 1
+        self.columns = slice(low, low + count)
+        self.way = 1 if ends[1] > ends[0] else -1
+        self.x = grid.axis_points(0)[self.columns][:: self.way]
+        reach = max(abs(ends[1] - self.x[0]), h / PARTS)
+        self.fine = self.x[0] + self.way * np.minimum(np.arange(count * PARTS + 1) * h / PARTS, reach)
+        self.slope, self.bed = ground(grid, flow.medium, self.fine), ground(grid, flow.medium, self.x)
+        nz = grid.shape[-1]
+        k = np.ceil(self.bed / grid.spacing[-1] - 1e-9).astype(int)
+        self.films = np.minimum(k[..., None] + np.arange(3), nz - 1)  # cells just above the ground (rows, N, 3)
+
+    def tip(self, flow: Flow) -> tuple[float, float]:
+        n = len(self.x)
+        level = self._levels(flow)
+        wet = level - self.bed > self.threshold
+        last = np.where(wet.all(axis=1), n, wet.argmin(axis=1)) - 1
+        some = np.flatnonzero(last >= 0)
+        if len(some) == 0:
+            return np.nan, np.nan
+        level, last, every = level[some], last[some], np.arange(len(some))
+        here = level[every, last]
+        steepness = here - level[every, np.maximum(last - 1, 0)]  # per cell
+        at = np.minimum(last[:, None] * PARTS + np.arange(PARTS + 1), self.fine.size - 1)
+        away = self.way * (self.fine[at] - self.x[last][:, None]) / flow.grid.spacing[0]  # [cells]
+        line = here[:, None] + steepness[:, None] * away
+        spare = line - self.slope[some[:, None], at] - self.threshold
+        end = np.where((spare <= 0).any(axis=1), (spare <= 0).argmax(axis=1), PARTS)
+        s0, s1 = spare[every, np.maximum(end - 1, 0)], spare[every, end]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where((s1 <= 0) & (s0 > 0), s0 / (s0 - s1), 1.0)
+
+        def between(values: FloatArray) -> FloatArray:
+            first = values[every, np.maximum(end - 1, 0)]
+            return first + share * (values[every, end] - first)
+
+        x, z = between(self.fine[at]), between(line)
+        top = int(np.argmax(z))
+        return float(x[top]), float(z[top])
+
+    def _levels(self, flow: Flow) -> FloatArray:
+        """Of the water above the ground (rows, N) [m]; below the ground where there is none."""
+        count = len(self.x)
+        eta = flow.eta[self.columns].reshape(count, -1).T[:, :: self.way]
+        fill = flow.fill[self.columns].reshape(count, -1, flow.grid.shape[-1]).transpose(1, 0, 2)[:, :: self.way]
+        film = flow.grid.spacing[-1] * np.take_along_axis(fill, self.films, axis=2).sum(axis=2)
+        with np.errstate(invalid="ignore"):
+            return np.where(eta > self.bed, eta, self.bed + film)  # a sheet of water over dry pores

@@ -1,0 +1,193 @@
+"""The surfaces on which water presses, solids and sides of the tank, cut into patches of one cell each.
+
+A patch is a piece of an edge of the section, from a to b, times a width in y; a face across y is taken cell by cell.
+The pressure along it is linear: that of its cell, plus what water at rest has between the centre of the cell and the
+ends of the patch (along a fixed wall nothing else changes towards it).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from houle.flow import Flow
+from houle.geometry import Shape, Span, section
+from houle.grid import FloatArray, Grid
+from houle.moments import cut, edges, section_moments, span_moments
+from houle.observe.points import cell_below, still_gravity
+from houle.observe.profile import Indices
+from houle.porous import partition
+
+SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (-1, 0), "top": (-1, 1)}
+NEAR = 1e-6  # [cells] from a surface, the cell on its wet side is looked for
+Load = tuple[FloatArray, FloatArray]  # force / rho, moment / rho
+
+
+@dataclass(frozen=True)
+class Patches:
+    """cell (P,) on the wet side; a, b (P, d) ends [m]; area (P, d) [m^(d-1)] as a vector out of the water."""
+
+    cell: Indices
+    a: FloatArray
+    b: FloatArray
+    area: FloatArray
+
+    @classmethod
+    def gather(
+        cls, grid: Grid, open_cells: FloatArray, found: list[tuple[FloatArray, FloatArray, FloatArray]]
+    ) -> Patches:
+        """From (a, b, area) of patches; those with no water in front of them are left out."""
+        d = grid.dimension
+        a, b, area = (
+            (np.concatenate([np.empty((0, d)), *parts]) for parts in zip(*found, strict=True))
+            if found
+            else (np.empty((0, d)),) * 3
+        )
+        size = np.linalg.norm(area, axis=1)
+        a, b, area, size = a[size > 0], b[size > 0], area[size > 0], size[size > 0]
+        inwards = -area / size[:, None]
+        cell = np.full(len(a), -1, np.intp)
+        for step in (NEAR, 0.5, 1.0):  # a cell that is a sliver of water is closed: the next one speaks for it
+            at = np.floor((0.5 * (a + b)) / grid.spacing + step * inwards).astype(int)
+            at = np.where(grid.periodic, at % grid.shape, at)
+            inside = ((at >= 0) & (at < grid.shape)).all(axis=1)
+            flat = np.ravel_multi_index(tuple(np.clip(at, 0, np.array(grid.shape) - 1).T), grid.shape)
+            new = (cell == -1) & inside & (open_cells.ravel()[flat] > 0.0)
+            cell[new] = flat[new]
+            if step == NEAR:
+                cell[~inside] = -2  # on a side of the tank
+        kept = cell >= 0
+        return cls(cell[kept], a[kept], b[kept], area[kept])
+
+
+def patches_of_solid(flow: Flow, shape: Shape) -> Patches:
+    """The surface of a solid, where no other solid touches it."""
+    grid, medium = flow.grid, flow.medium
+    layers = [
+        (span, solid, section(grid, [shape], span)) for span, solid, _ in partition(grid, medium.bodies, medium.solids)
+    ]
+    found = []
+    for span, solid, own in layers:
+        if not own.is_empty:
+            piece = _pieces(grid, solid)
+            middle = shapely.points(piece.mean(axis=1) * (grid.spacing[0], grid.spacing[-1]))
+            here = shapely.dwithin(middle, shapely.boundary(own), NEAR * min(grid.spacing))
+            found += list(_upright(grid, piece[here], span))
+    for (before, solid_before, own_before), (_, solid_after, own_after) in itertools.pairwise(layers):
+        found.append(_across(grid, own_before.difference(solid_after), before[1], +1.0))
+        found.append(_across(grid, own_after.difference(solid_before), before[1], -1.0))
+    return Patches.gather(grid, medium.open_cells, found)
+
+
+def patches_of_side(flow: Flow, side: str) -> Patches:
+    """A side of the tank, where no solid covers it."""
+    grid, medium = flow.grid, flow.medium
+    axis, end = SIDES[side]
+    x, z = grid.size[0], grid.size[-1]
+    found = []
+    for span, solid, _ in partition(grid, medium.bodies, medium.solids):
+        if side in ("front", "back"):
+            if (span[0] <= 0.0) if end == 0 else (span[1] >= grid.size[1]):
+                free = shapely.box(0, 0, x, z).difference(solid)
+                found.append(_across(grid, free, grid.size[1] * end, -1.0 if end else +1.0))
+            continue
+        inset = NEAR * grid.spacing[axis]
+        lines = {
+            "left": [[inset, 0], [inset, z]], "right": [[x - inset, z], [x - inset, 0]],
+            "bottom": [[x, inset], [0, inset]], "top": [[0, z - inset], [x, z - inset]],
+        }  # fmt: skip  # the wall on their left
+        way = np.diff(lines[side], axis=0)[0]
+        free = shapely.difference(shapely.linestrings(lines[side]), solid)
+        for line in shapely.get_parts(free):
+            ends = shapely.get_coordinates(line)[[0, -1]]
+            ends[:, 0 if axis == 0 else 1] = end * (x if axis == 0 else z)
+            ends = ends if np.dot(ends[1] - ends[0], way) > 0 else ends[::-1]
+            piece = cut(ends / (grid.spacing[0], grid.spacing[-1]))
+            found += list(_upright(grid, piece, span))
+    return Patches.gather(grid, medium.open_cells, found)
+
+
+def _pieces(grid: Grid, area: shapely.Geometry) -> FloatArray:
+    """Edges (P, 2, 2) of the area [cells], the area on their left, cut at the lines of the grid."""
+    outline = edges(area, (grid.spacing[0], grid.spacing[-1]))
+    return np.concatenate([np.empty((0, 2, 2)), *(cut(edge) for edge in outline)])
+
+
+def _upright(grid: Grid, piece: FloatArray, span: Span) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+    """(a, b, area) of pieces (P, 2, 2) [cells] that have the solid on their left, over a span of y."""
+    ends = piece * (grid.spacing[0], grid.spacing[-1])
+    along = ends[:, 1] - ends[:, 0]
+    out = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    if grid.dimension == 2:
+        yield ends[:, 0], ends[:, 1], out
+        return
+    share = span_moments(span, grid.spacing[1], grid.shape[1])[0]
+    for j in np.flatnonzero(share > 0):
+        y = np.full(len(ends), (j + 0.5) * grid.spacing[1])
+        a, b = (np.stack([e[:, 0], y, e[:, 1]], axis=1) for e in (ends[:, 0], ends[:, 1]))
+        width = share[j] * grid.spacing[1]
+        yield a, b, width * np.stack([out[:, 0], np.zeros_like(y), out[:, 1]], axis=1)
+
+
+def _across(grid: Grid, area: shapely.Geometry, y: float, into: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(a, b, area) of a face across y: the water lies on the side of larger y where `into` is 1, else -1."""
+    h = grid.spacing
+    if area.is_empty:
+        return np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3))
+    share = section_moments(area, (h[0], h[-1]), (grid.shape[0], grid.shape[-1]))[0, 0]
+    i, k = np.nonzero(share > 1e-9)
+    x, level = (i + 0.5) * h[0], np.full(len(i), y)
+    a, b = (np.stack([x, level, (k + e) * h[-1]], axis=1) for e in (0, 1))
+    size = share[i, k] * h[0] * h[-1]
+    return a, b, np.stack([0 * x, -into * size, 0 * x], axis=1)
+
+
+class SurfaceLoad:
+    """Force and moment of the water's pressure on patches, per density: sum of the integrals of p n and r x p n."""
+
+    def __init__(self, flow: Flow, patches: Patches, about: FloatArray) -> None:
+        grid, g = flow.grid, still_gravity(flow)
+        self.cell, self.area = patches.cell, patches.area
+        self.below, self.above = cell_below(self.cell, grid), cell_below(self.cell, grid, -1)
+        centres = grid.points().reshape(-1, grid.dimension)
+        self.a, self.step = patches.a - about, patches.b - patches.a
+        self.rest_a, self.rest_b = ((e - centres[self.cell]) @ g for e in (patches.a, patches.b))
+        self.rest_below = (centres[self.cell] - centres[self.below]) @ g
+
+    def load(self, flow: Flow) -> Load:
+        p = flow.pressure.ravel()
+        here, below = p[self.cell], p[self.below]
+        wet = here != 0.0
+        here = np.where(wet, here, np.where(below != 0.0, below + self.rest_below, -np.inf))
+        first, last = here + self.rest_a, here + self.rest_b
+        at_surface = ~wet | (p[self.above] == 0.0)
+        start, end, first, last = positive_part(first, last, at_surface)
+        mean, size = 0.5 * (first + last), end - start
+        middle = self.a + self.step * (0.5 * (start + end))[:, None]
+        arm = middle * (mean * size)[:, None] + self.step * (size**2 * (last - first) / 12.0)[:, None]
+        return ((mean * size)[:, None] * self.area).sum(axis=0), moment(arm, self.area)
+
+
+def positive_part(first: FloatArray, last: FloatArray, cut_off: np.ndarray) -> tuple[FloatArray, ...]:
+    """Where a pressure that runs from `first` to `last` is above 0: start and end in 0..1, and the values there.
+
+    Only where `cut_off`: deep in the water a suction is real.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        zero = np.where(first != last, first / (first - last), 0.0)
+    start = np.where(cut_off & (first < 0), np.where(last > 0, zero, 0.0), 0.0)
+    end = np.where(cut_off & (last < 0), np.where(first > 0, zero, start), 1.0)
+    none = cut_off & (first <= 0) & (last <= 0)
+    start, end = np.where(none, 0.0, start), np.where(none, 0.0, end)
+    return start, end, np.where(cut_off, np.maximum(first, 0.0), first), np.where(cut_off, np.maximum(last, 0.0), last)
+
+
+def moment(arm: FloatArray, force: FloatArray) -> FloatArray:
+    """Sum of r x f: (3,) in 3D; in 2D the component about y, (): positive when it tips things towards larger x."""
+    if arm.shape[1] == 3:
+        return np.cross(arm, force).sum(axis=0)
+    return np.asarray(np.sum(arm[:, 1] * force[:, 0] - arm[:, 0] * force[:, 1]))
