@@ -19,7 +19,8 @@ CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 TABLES = {
     "case": case.Head, "domain": case.Domain, "fluid": case.Fluid, "water": case.Water, "porous": case.Porous,
     "solid": case.Solid, "gate": case.Gate, "gauge": case.Gauge, "sensor": case.Sensor, "time": case.Time,
-    "numerics": case.Numerics, "output": case.Output, "reference": case.Reference,
+    "numerics": case.Numerics, "output": case.Output, "reflection": case.Reflection,
+    "reference": case.Reference,
 }  # fmt: skip
 
 

@@ -24,7 +24,7 @@ LAYERS = (
     {"simulation"},
     {"output"},
     {"analysis"},
-    {"progress", "recorder", "bundle", "session", "preflight", "summary", "runner"},
+    {"progress", "recorder", "bundle", "session", "preflight", "reflection", "twin", "summary", "runner"},
     {"validation", "bench", "check_report", "describe", "new"},
     {"cli"},
 )

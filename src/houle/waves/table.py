@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from math import radians
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from houle.waves import record, spectra, theories
 from houle.waves.cnoidal import solitary
@@ -41,6 +41,7 @@ TAKES: dict[str, tuple[str, ...]] = {
     "focused": ("seed", "gamma"),
     "series": (),
 }
+CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "focus")  # what only some kinds take
 MAKERS = ("source", "zone", "piston")
 ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
 
@@ -131,7 +132,7 @@ class Waves(Table):
     def agrees(self) -> Waves:
         found = [f"{key} is missing: {self._what(key)}" for key in NEEDS[self.kind] if getattr(self, key) is None]
         allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
-        for key in ("theory", "height", "period", "seed", "gamma", "file", "focus"):
+        for key in CHOSEN:
             if key in self.model_fields_set and key not in allowed and getattr(self, key) is not None:
                 found.append(f'{key} does not belong to kind = "{self.kind}": remove it{self._hint(key)}')
         fits = self.theory == "auto" or self.theory.startswith("solitary") == (self.kind == "solitary")
@@ -151,6 +152,12 @@ class Waves(Table):
         if found:
             raise ValueError("\n".join(found))
         return self
+
+    @model_serializer(mode="wrap")
+    def written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the defaults of keys that its kind does not take: what is written can be read back."""
+        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        return {key: value for key, value in handler(self).items() if key in allowed or key not in CHOSEN}
 
     def _what(self, key: str) -> str:
         field = type(self).model_fields[key]
