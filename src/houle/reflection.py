@@ -134,6 +134,12 @@ def wave_of(case: Case) -> Wave:
     return make(case.waves, case.fluid.gravity, case.folder)
 
 
+def first_harmonic(wave: Wave) -> float:
+    """Crest to trough of the first harmonic of a regular wave of theory [m]: what separation and card measure."""
+    parts = wave.components()
+    return wave.height if parts is None else 2.0 * float(parts.amplitude[0])
+
+
 def record(run: Run) -> dict[str, Any]:
     """Measures, draws reflection.png, and returns the entry of run.json, or why there is none. {} if not asked for."""
     if run.case.reflection is None:

@@ -20,7 +20,7 @@ from houle.errors import HouleError
 from houle.observe import levels_at
 from houle.output.atomic import write_text
 from houle.progress import Silent
-from houle.reflection import Flume, wave_of
+from houle.reflection import Flume, first_harmonic, wave_of
 
 if TYPE_CHECKING:
     from houle.waves.wave import Wave
@@ -135,7 +135,7 @@ def measure(empty: Case, says: Silent) -> analysis.QualityCard:
         (time, np.array([place[0] for place in places]), eta),
         depth=empty.waves.depth,
         period=wave.period,
-        height=wave.height,
+        height=first_harmonic(wave),
         window=(end - PERIODS * wave.period - wave.period / SAMPLES, end),
         still_water=float(levels[:, 0].mean()),
         reference=wave.k,
@@ -151,7 +151,10 @@ def rows(found: dict[str, Any]) -> list[tuple[str, str]]:
         return [("none", found["problem"])]
     c = found
     return [
-        ("height", f"{1e3 * c['height']:.4g} mm, {100 * (c['height'] / c['target'] - 1):+.2f} % of the target"),
+        (
+            "height",
+            f"first harmonic {1e3 * c['height']:.4g} mm, {100 * (c['height'] / c['target'] - 1):+.2f} % of the target",
+        ),
         ("decay", f"{100 * c['decay']:.2f} % per wavelength"),
         (
             "celerity, phase",

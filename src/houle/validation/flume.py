@@ -24,24 +24,40 @@ RAMP_SETTLE, PERIODS = 4.0, 5.0  # of the window: see analysis.choose_window
 
 
 def block(
-    period: float, height: float, body: dict[str, Any], width: float = 1.5, *, wall: bool = False, depth: float = 0.25
+    period: float,
+    height: float,
+    body: dict[str, Any],
+    width: float = 1.5,
+    *,
+    wall: bool = False,
+    slope: float = 0.0,
+    depth: float = 0.25,
 ) -> dict[str, Any]:
-    """A flume with a vertical porous block over the full depth, `body` without its shape; `wall`: right at its end."""
+    """A flume with a porous block over the full depth, `body` without its shape; `wall`: right at its end.
+
+    slope  of the front, horizontal per vertical: 0 is upright, 1 is 45 degrees. Half-way down the water the face stays
+    where it is, so that the block holds as much water.
+    """
     length, speed = _wave(period, depth)
     zone = _up(1.5 * length)
     first = zone + GAP
-    front = first + GAUGES[-1] + GAP
+    front = _up(first + GAUGES[-1] + GAP + 0.5 * slope * depth)  # half-way down the water
+    toe = front - 0.5 * slope * depth
     back = front + width
     away = [] if wall else [back + b for b in BEHIND]
     end = back if wall else _up(back + BEHIND[-1] + 0.4 + 1.5 * length)
     top = _top(depth, height)
     steady = (2 * back - zone - first) / speed + RAMP_SETTLE * period
+    shape: dict[str, Any] = {"box": [[_round(front), 0.0], [_round(back), top]]}
+    if slope:
+        head = _round(toe + slope * top)
+        shape = {"polygon": [[_round(toe), 0.0], [_round(back), 0.0], [_round(back), top], [head, top]]}
     names = [f"G{i}" for i in range(1, len(GAUGES) + 1)], [f"T{i}" for i in range(1, len(away) + 1)]
     places = [first + g for g in GAUGES] + away
-    overrides = {
+    return {
         "domain.size": [_round(end), top],
         "waves": {"kind": "regular", "height": height, "period": period, "depth": depth, "zone": {"x": [0.0, zone]}},
-        "porous": [{"name": "block", "box": [[_round(front), 0.0], [_round(back), top]], **body}],
+        "porous": [{"name": "block", **shape, **body}],
         "gauge": [{"name": n, "x": _round(x)} for n, x in zip([*names[0], *names[1]], places, strict=True)],
         "sponge": [] if wall else [{"box": [[_round(end - 1.5 * length), 0.0], [_round(end), top]]}],
         "reflection": {
@@ -52,7 +68,12 @@ def block(
         },
         "time.end": _up(steady + (PERIODS + 0.2) * period),
     }
-    return overrides
+
+
+def wall(period: float, height: float, depth: float = 0.25) -> dict[str, Any]:
+    """A flume that ends at a solid upright wall."""
+    flume = block(period, height, {}, width=0.0, wall=True, depth=depth)
+    return {**flume, "porous": [], "reflection": {**flume["reflection"], "structure": [flume["domain.size"][0]]}}
 
 
 def linear(friction: float, period: float, porosity: float) -> dict[str, Any]:

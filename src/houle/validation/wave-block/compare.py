@@ -64,10 +64,9 @@ def compare(run: Run) -> list[Check]:
         if math.isfinite(value):
             note = f"measured {value:.3f} ({low:.3f} to {high:.3f}), theory {exact:.3f}, f = {known.friction:.3g}"
             checks.append(Check(f"{name}, distance from theory", abs(value - exact), "", limit, note=note))
-    assert run.case.waves is not None and run.case.waves.height is not None
     return [
         *checks,
-        report("incident height over the target", found.H_I / run.case.waves.height),
+        report("incident height over the target", found.H_I / reflection.first_harmonic(reflection.wave_of(run.case))),
         report("unexplained by two waves", 100.0 * found.residual, "%"),
         Check("volume drift", largest(run.series.volume_drift), "-", 1e-12),
     ]

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle import analysis
+from houle import analysis, reflection
 from houle.grid import FloatArray
-from houle.reflection import wave_of
+from houle.reflection import first_harmonic, wave_of
 from houle.validation.check import Check, Variant, report
-from houle.validation.flume import PERIODS, empty, two_sided
+from houle.validation.flume import PERIODS, empty, two_sided, wall
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 HEIGHT, SIDES, SPURIOUS = 2.0, 1.0, 2.0  # %
 DECAY, CELERITY, LOSS = 0.5, 0.5, 2.0  # % per wavelength, %, % of the energy per wavelength
 SHAPE, LEVEL = 4.0, 0.1  # % of H (rms), mm
+WALL = 0.98
 
 VARIANTS = (
     Variant("", quick=False),
@@ -27,6 +28,7 @@ VARIANTS = (
     Variant("dx-5-mm", {"domain.spacing": 0.005}, quick=False),
     Variant("H-80-mm", empty(1.2, 0.08), quick=False),
     Variant("H-80-mm-dx-20-mm", {**empty(1.2, 0.08), "domain.spacing": 0.02}, quick=False),
+    Variant("wall", {**wall(1.2, 0.02), "domain.spacing": 0.02}),
     *(
         Variant(f"source-T-{period:g}-s", {**two_sided(period, 0.01), "domain.spacing": 0.02}, quick=period == 1.0)
         for period in (1.0, 1.5, 2.0)
@@ -38,7 +40,21 @@ def compare(run: Run) -> list[Check]:
     waves = run.case.waves
     assert waves is not None
     drift = Check("volume drift", largest(run.series.volume_drift), "-", 1e-12)
+    if run.case.reflection is not None:
+        return [*_at_wall(run), drift]
     return [*(_travelling(run) if waves.source is None else _from_source(run)), drift]
+
+
+def _at_wall(run: Run) -> list[Check]:
+    """Standing waves in front of a solid wall."""
+    found = reflection.measure(run)
+    low, high = found.interval_R
+    wave = wave_of(run.case)
+    return [
+        Check("C_R of a solid wall", found.C_R, "", WALL, "min", note=f"{low:.3f} to {high:.3f}"),
+        report("unexplained by two waves", 100 * found.residual, "%"),
+        report("incident height over the target", found.H_I / first_harmonic(wave)),
+    ]
 
 
 def _travelling(run: Run) -> list[Check]:
@@ -85,7 +101,7 @@ def _card(run: Run, gauges: list[str], towards: float) -> analysis.QualityCard:
         run,
         depth=case.waves.depth,
         period=wave.period,
-        height=wave.height,
+        height=first_harmonic(wave),
         window=_window(run, wave),
         still_water=case.waves.depth,
         reference=wave.k,
