@@ -116,9 +116,10 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
     if at_end:
         more |= reflection.record(run)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
-    if "reflection" in more and (card := twin.card(run.case, session.says)):
-        more["wave_quality"] = card
-        write_manifest(run.directory, session.summarise(finished=at_end, **more))
+    if "reflection" in more:
+        with session.clock.stage("wave quality"):
+            card = twin.card(run.case, session.says)
+        write_manifest(run.directory, session.summarise(finished=at_end, **more, wave_quality=card))
     run = Run(session.directory)
     if progress:
         summary.show(run)
