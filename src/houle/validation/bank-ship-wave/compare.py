@@ -5,10 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from houle import analysis
-from houle.grid import FloatArray
 from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest
 
@@ -45,17 +42,9 @@ def compare(run: Run) -> list[Check]:
         report("largest Shields number at the face", moved.largest, note=f"critical {moved.critical:.4f}"),
         report("part of the time in which grains move", 100 * moved.moving, "%"),
         *(
-            report(f"lag of the phreatic line at {x}", late(time, level["G2"], level[x]), "s")
+            report(f"lag of the lowest level at {x}", float(time[level[x].argmin()] - time[level["G2"].argmin()]), "s")
             for x in ("B1", "B2", "B3")
         ),
         *(report(f"lowest phreatic level at {x}", 1e3 * float(level[x].min()), "mm") for x in ("B1", "B2", "B3", "B4")),
         Check("volume drift", largest(series.volume_drift), "-", 1e-12),
     ]
-
-
-def late(time: FloatArray, outside: FloatArray, inside: FloatArray) -> float:
-    """Lag of the level inside [s]; NaN when nothing arrives there."""
-    try:
-        return analysis.lag(time, np.asarray(outside), np.asarray(inside))
-    except analysis.AnalysisError:
-        return float("nan")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from houle import reflection
-from houle.validation.check import Check, Variant, report
+from houle.validation.check import Check, report
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 HEIGHT = 10.0  # %: of some 25 waves; the scatter of so few is about as large
 SLOPE = 0.5  # tangent
-VARIANTS = (Variant("", quick=False), Variant("dx-40-mm", {"domain.spacing": 0.04}))
 
 
 def compare(run: Run) -> list[Check]:
