@@ -22,7 +22,7 @@ TABLES = {
     "solid": case.Solid, "gate": case.Gate, "waves": Waves, "sponge": case.Sponge, "gauge": case.Gauge,
     "sensor": case.Sensor, "runup": case.RunUp, "overtopping": case.Overtopping, "force": case.Force,
     "phreatic": case.Phreatic, "flux": case.Flux, "time": case.Time, "numerics": case.Numerics,
-    "output": case.Output, "reference": case.Reference,
+    "output": case.Output, "reflection": case.Reflection, "reference": case.Reference,
 }  # fmt: skip
 
 

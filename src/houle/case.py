@@ -451,6 +451,47 @@ class Output(Table):
     movie: bool = Field(default=False, description="also write an MP4 (needs the extra houle[movie])")
 
 
+class Reflection(Table):
+    """[reflection]: how much of the waves the structure sends back, lets through and swallows, said at the end."""
+
+    structure: Annotated[
+        tuple[float, ...],
+        Field(
+            strict=False,
+            min_length=1,
+            max_length=2,
+            description="x of its first face and of its back; the back is left out when a wall follows [m]",
+            examples=[[6.1, 7.6]],
+        ),
+    ]
+    gauges: Annotated[
+        tuple[str, ...], Field(strict=False, min_length=2, description="names of the gauges in front of the structure")
+    ]
+    behind: Annotated[
+        tuple[str, ...], Field(strict=False, description="names of those behind it; without any no C_T")
+    ] = ()
+    method: Literal["zelt-skjelbreia", "mansard-funke", "goda-suzuki", "jh2020"] = Field(
+        default="zelt-skjelbreia", description="how incident and reflected waves are told apart, see docs/analysis.md"
+    )
+    window: Annotated[tuple[float, float], Field(strict=False)] | None = Field(
+        default=None, description="from, to; when left out, after the waves are steady and before they come again [s]"
+    )
+    theory: bool = Field(default=True, description="also linear theory, if the structure is one vertical block")
+    twin: bool = Field(default=True, description="also the quality of the waves, from the same flume without structure")
+
+    @model_validator(mode="after")
+    def makes_sense(self) -> Reflection:
+        most = {"goda-suzuki": 2, "mansard-funke": 3}.get(self.method)
+        if most is not None and len(self.gauges) != most:
+            raise ValueError(
+                f'gauges names {len(self.gauges)}, method = "{self.method}" takes {most}: name {most}, or take '
+                '"zelt-skjelbreia" for any number'
+            )
+        if self.window is not None and not 0 <= self.window[0] < self.window[1]:
+            raise ValueError(f"window = [{self.window[0]:g}, {self.window[1]:g}]: two times, the earlier one first [s]")
+        return self
+
+
 class Reference(Table):
     """[reference]: laboratory points, drawn in the pictures and scored at the end of the run."""
 
@@ -490,6 +531,7 @@ class Case(Table):
     time: Time
     numerics: Numerics = Numerics()
     output: Output = Output()
+    reflection: Reflection | None = None
     reference: Reference | None = None
     _path: Path | None = PrivateAttr(None)
 
@@ -546,6 +588,7 @@ class Case(Table):
                 f"{key}: the name {n} is given twice; names must differ"
                 for n in sorted({n for n in names if names.count(n) > 1})
             ]
+        found += self._reflection_fits()
         if found:
             raise ValueError("\n".join(found))
         return self
@@ -565,6 +608,47 @@ class Case(Table):
             elif names.count(name) > 1:
                 found.append(f"{what} is the name of a porous body and of a solid: rename one of them")
         return found
+
+    def _reflection_fits(self) -> list[str]:
+        """What is wrong between [reflection] and the rest."""
+        asked = self.reflection
+        if asked is None:
+            return []
+        if self.waves is None or self.waves.kind in ("solitary", "focused", "series"):
+            held = "there are no [waves]" if self.waves is None else f'waves.kind = "{self.waves.kind}"'
+            return [f"reflection needs regular or irregular waves, {held}: remove [reflection]"]
+        place = {gauge.name: gauge.x for gauge in self.gauge}
+        named = [("gauges", name) for name in asked.gauges] + [("behind", name) for name in asked.behind]
+        found = [
+            f"reflection.{key}: there is no gauge {name}.{case_errors.nearest(name, place)} There are: "
+            f"{', '.join(place) or 'none'}"
+            for key, name in named
+            if name not in place
+        ]
+        start, structure = self.waves.start, asked.structure
+        outside = [x for x in structure if not 0 <= x <= self.domain.size[0]]
+        if outside:
+            return [*found, f"reflection.structure: {outside[0]:g} m is outside the tank, 0 to {self.domain.size[0]:g}"]
+        towards = 1.0 if structure[0] > start else -1.0
+        if len(structure) == 2 and towards * (structure[1] - structure[0]) <= 0:
+            found.append(
+                f"reflection.structure = [{structure[0]:g}, {structure[1]:g}]: first the face that the waves from "
+                f"x = {start:g} m meet, then the back"
+            )
+        for key, name in named:
+            after = key == "behind"
+            beyond = structure[-1] if after else structure[0]
+            if name in place and (towards * (place[name] - beyond) > 0) != after:
+                found.append(
+                    f"reflection.{key}: gauge {name} stands at {place[name]:g} m, {'not ' if after else ''}behind "
+                    f"{beyond:g} m: move it, or name another"
+                )
+        return found
+
+    @property
+    def folder(self) -> Path:
+        """Where the other files lie that it names."""
+        return self._path.parent if self._path else Path()
 
     @property
     def path(self) -> Path | None:

@@ -225,7 +225,7 @@ def observables(s: Section) -> Iterator[Finding]:
         low, high = (float(c[0]) for c in body.shape.bounds)
         for x in line.x or ():
             if not max(low, 0.0) <= x <= min(high, s.grid.size[0]):
-                text = f"= {x:g} lies beside {body.key}, {low:g} <= x <= {high:g} m.{_metres(x, high)}"
+                text = f"= {x:g} lies beside {body.key}, {low:g} <= x <= {high:g} m.{metres(x, high)}"
                 yield Finding("error", f"{key}.x", text)
         if line.y is not None:
             yield from _outside(s, f"{key}.y", line.y, 1)

@@ -105,7 +105,7 @@ def resume(
 
 def finish(session: Session, until: float | None, progress: bool) -> Run:
     """Marches, then leaves pictures, the score against the laboratory and run.json; prints the summary."""
-    from houle import summary
+    from houle import reflection, summary, twin
     from houle.output import write_manifest
 
     at_end = session.march(until)
@@ -113,7 +113,13 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
     with session.clock.stage("pictures"):
         draw(run, session)
     more = {"reference": score} if (score := summary.reference(run)) else {}
+    if at_end:
+        more |= reflection.record(run)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
+    if "reflection" in more:
+        with session.clock.stage("wave quality"):
+            card = twin.card(run.case, session.says)
+        write_manifest(run.directory, session.summarise(finished=at_end, **more, wave_quality=card))
     run = Run(session.directory)
     if progress:
         summary.show(run)
@@ -250,7 +256,7 @@ def check_until(until: float | None, time: float) -> None:
 
 
 def keep_case(case: Case, directory: Path) -> Case:
-    """Makes the folder with case.toml and its laboratory data, and returns the case that lies there.
+    """Makes the folder with case.toml and the files it names, and returns the case that lies there.
 
     A run needs no other file to be resumed or drawn again, so its folder can be moved.
     """
@@ -258,14 +264,18 @@ def keep_case(case: Case, directory: Path) -> Case:
     from houle.case import load
     from houle.output.atomic import reported, write_text
 
-    data = laboratory.path(case)
-    write_text(directory / CASE_FILE, case.to_toml())
-    if data is not None and case.reference is not None:
-        inside = Path(case.reference.surface)
+    files, moved = {}, {}
+    if case.reference is not None and (data := laboratory.path(case)) is not None:
+        files["reference.surface"] = (case.reference.surface, data)
+    if case.waves is not None and case.waves.file is not None:
+        files["waves.file"] = (case.waves.file, case.folder / case.waves.file)
+    for key, (name, source) in files.items():
+        inside = Path(name)
         if inside.is_absolute() or ".." in inside.parts:
-            inside = Path(data.name)
-            write_text(directory / CASE_FILE, load(case, {"reference.surface": inside.name}).to_toml())
+            inside = Path(source.name)
+            moved[key] = inside.name
         with reported(directory / inside):
             (directory / inside).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(data, directory / inside)
+            shutil.copyfile(source, directory / inside)
+    write_text(directory / CASE_FILE, load(case, moved).to_toml())
     return load(directory / CASE_FILE)

@@ -168,7 +168,7 @@ class Session:
         """What run.json holds; `finished` once every file of the run is complete."""
         simulation, last = self.simulation, self.recorder.last.values
         volume = simulation.particles.total_volume
-        budget = ("kinetic_energy", "potential_energy", "drag_work", "viscous_work")
+        budget = ("kinetic_energy", "potential_energy", "drag_work", "viscous_work", "sponge_work", "source_work")
         return summarise(
             self.manifest,
             finished=finished,

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -78,7 +77,7 @@ class Simulation:
         rate, wave = grid.faces(), None
         speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
         if case.waves is not None:
-            wave = make_wave(case.waves, case.fluid.gravity, case.path.parent if case.path else Path())
+            wave = make_wave(case.waves, case.fluid.gravity, case.folder)
             maker = make_maker(case.waves, wave, grid)
             flow.makers, speed = [maker], wave.group_velocity
             maker.resist(rate)

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from houle import laboratory
+from houle import laboratory, reflection, twin
 from houle.progress import duration
 
 if TYPE_CHECKING:
@@ -79,6 +79,11 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         ("Where the time went", operations(summary)),
         ("Energy [J] (per metre of width in 2D)", energy(summary)),
         (f"Surface, rms against {label}", against_laboratory(summary)),
+        ("Reflection", reflection.rows(found) if (found := summary.get("reflection")) else []),
+        (
+            "Wave quality (the same flume without the structure)",
+            twin.rows(card) if (card := summary.get("wave_quality")) else [],
+        ),
     ]
     return [(title, rows) for title, rows in everything if rows]
 
@@ -100,7 +105,9 @@ def show(run: Run) -> None:
 
 def as_html(run: Run) -> str:
     """For notebooks: the first table, the laboratory, and the picture of the surface."""
-    chosen = [(title, rows) for title, rows in sections(run.summary) if title.startswith(("Run", "Surface"))]
+    chosen = [
+        (title, rows) for title, rows in sections(run.summary) if title.startswith(("Run", "Surface", "Reflection"))
+    ]
     tables = "".join(_html_table(title, rows) for title, rows in chosen)
     return f"<div><b>{escape(str(run.directory))}</b>{tables}{_html_picture(run.directory / 'surface.png')}</div>"
 

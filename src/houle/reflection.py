@@ -1,0 +1,193 @@
+"""What the structure of a run reflects, transmits and swallows: [reflection] of the case, measured at its end.
+
+The gauges are taken apart by `houle.analysis.reflection`; beside it stands linear theory where there is one: a vertical
+porous block over the full depth on a flat bed, its drag made linear by equal work (Lorentz).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from houle import analysis
+from houle.geometry import shape_of
+from houle.resistance import coefficients, inertia_coefficient
+from houle.waves.table import make
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from houle.analysis import Reflection, Scatter
+    from houle.case import Case
+    from houle.runner import Run
+    from houle.waves.wave import Wave
+
+PICTURE = "reflection.png"
+NEAR = 1e-6  # m, of two places that are the same
+
+
+@dataclass(frozen=True)
+class Flume:
+    """Where things stand along the flume [m], the waves coming from `maker` towards `front`.
+
+    back   where the wave that entered the structure turns at the latest: the back of the structure, or a wall
+    wall   the side of the tank behind the structure      absorbed  a sponge takes the transmitted wave there
+    """
+
+    maker: float
+    front: float
+    back: float
+    wall: float
+    absorbed: bool
+    quiet: bool  # nothing at the maker sends the reflected wave back
+
+    @property
+    def towards(self) -> float:
+        return 1.0 if self.front > self.maker else -1.0
+
+    @classmethod
+    def of(cls, case: Case) -> Flume:
+        assert case.reflection is not None and case.waves is not None
+        waves, structure, end = case.waves, case.reflection.structure, case.domain.size[0]
+        ends = waves.zone.x if waves.zone is not None else (waves.start,)
+        maker = min(ends, key=lambda x: abs(structure[0] - x))
+        towards = 1.0 if structure[0] > maker else -1.0
+        wall = end if towards > 0 else 0.0
+        spans = [(s.box[0][0], s.box[1][0]) for s in case.sponge]
+        behind = any(towards * (max(span, key=lambda x: towards * x) - structure[-1]) > 0 for span in spans)
+        before = any(towards * (maker - min(span, key=lambda x: towards * x)) > 0 for span in spans)
+        open_back = len(structure) == 2 and (behind or bool(case.reflection.behind))
+        back = structure[1] if open_back else wall
+        return cls(maker, structure[0], back, wall, behind, waves.zone is not None or before)
+
+
+def measure(run: Run) -> Reflection:
+    """C_R, C_T, C_D of the run with their intervals and window. Raises analysis.AnalysisError."""
+    case = run.case
+    asked, waves, flume = case.reflection, case.waves, Flume.of(case)
+    assert asked is not None and waves is not None
+    wave = wave_of(case)
+    if asked.window is None:
+        reflector = None if flume.quiet or waves.source is None else case.domain.size[0] - flume.wall
+        place: dict[str, Any] = {
+            "maker": flume.maker, "structure": flume.front, "rear": flume.back, "absorbing": flume.quiet,
+            "reflector": reflector, "far_end": flume.wall if asked.behind and not flume.absorbed else None,
+            "ramp": waves.ramp_time() / wave.period,
+        }  # fmt: skip
+    else:
+        place = {"window": asked.window, "towards": flume.towards}
+    regular = waves.kind == "regular"
+    levels = run.series.eta.sel(gauge=asked.gauges[0])
+    return analysis.reflection(
+        run,
+        depth=waves.depth,
+        period=wave.period,
+        kind="regular" if regular else "irregular",
+        method=asked.method,
+        gauges=asked.gauges,
+        behind=asked.behind,
+        wave_number=wave.k if regular and asked.method != "jh2020" else None,
+        bed=float(levels[0]) - waves.depth,
+        gravity=case.fluid.gravity,
+        **place,
+    )
+
+
+def theory(case: Case, height: float) -> Scatter | None:
+    """Linear theory for incident waves of this height [m], None if the structure is not one vertical block."""
+    asked, waves = case.reflection, case.waves
+    if asked is None or waves is None or waves.kind != "regular" or not asked.theory or not _one_block(case):
+        return None
+    flume, body = Flume.of(case), case.porous[0]
+    low, high = shape_of(body, case.dimension).bounds
+    a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity)
+    omega, n, width = wave_of(case).omega, body.porosity, float(high[0] - low[0])
+    place: dict[str, Any] = {
+        "inertia": inertia_coefficient(n, body.added_mass),
+        "wall": abs((high if flume.towards > 0 else low)[0] - flume.wall) < NEAR,
+        "gravity": case.fluid.gravity,
+    }
+    if b == 0.0:
+        return analysis.porous_block(omega, waves.depth, width, n, n * a / omega, **place)
+    return analysis.porous_block_lorentz(omega, waves.depth, width, n, height, a, b, **place)
+
+
+def _one_block(case: Case) -> bool:
+    """One porous box from the bottom through the surface at the place named in [reflection], nothing else in the way,
+    and either a wall right behind it or a sponge that takes up what it transmits.
+    """
+    assert case.reflection is not None and case.waves is not None
+    if len(case.porous) != 1 or case.solid or case.porous[0].box is None:
+        return False
+    low, high = case.porous[0].box
+    level = max(w.below or 0.0 for w in case.water)
+    flume = Flume.of(case)
+    front, back = (low[0], high[0]) if flume.towards > 0 else (high[0], low[0])
+    full = low[-1] <= NEAR and high[-1] > level and abs(level - case.waves.depth) < NEAR
+    return full and abs(front - flume.front) < NEAR and (flume.absorbed or abs(back - flume.wall) < NEAR)
+
+
+def wave_of(case: Case) -> Wave:
+    assert case.waves is not None
+    return make(case.waves, case.fluid.gravity, case.folder)
+
+
+def first_harmonic(wave: Wave) -> float:
+    """Crest to trough of the first harmonic of a regular wave of theory [m]: what separation and card measure."""
+    parts = wave.components()
+    return wave.height if parts is None else 2.0 * float(parts.amplitude[0])
+
+
+def record(run: Run) -> dict[str, Any]:
+    """Measures, draws reflection.png, and returns the entry of run.json, or why there is none. {} if not asked for."""
+    if run.case.reflection is None:
+        return {}
+    try:
+        found = measure(run)
+    except analysis.AnalysisError as error:
+        return {"reflection": {"problem": str(error)}}
+    draw(found, run.directory / PICTURE)
+    names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
+    more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
+    entry = {name: getattr(found, name) for name in (*names, *more)}
+    window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
+    entry["window"] = {**window, "reason": found.window.reason}
+    if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
+        entry["theory"] = {n: getattr(known, n) for n in ("C_R", "C_T", "C_D", "friction")}
+    return {"reflection": entry}
+
+
+def draw(found: Reflection, path: Path) -> None:
+    """The picture; it does not fail the run."""
+    found.plot(path)
+
+
+def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
+    """The entry of run.json in lines."""
+    if not entry:
+        return []
+    if "problem" in entry:
+        return [("none", entry["problem"])]
+    known, lines = entry.get("theory") or {}, []
+    for name in ("C_R", "C_T", "C_D"):
+        value, (low, high) = entry[name], entry[f"interval_{name[-1]}"]
+        if _number(value):
+            sure = f" ({low:.3f} to {high:.3f})" if _number(low) else ""
+            beside = f"   linear theory {known[name]:.3f}" if _number(known.get(name)) else ""
+            lines.append((name, f"{value:.3f}{sure}{beside}"))
+    heights = [("incident", "H_I"), ("reflected", "H_R"), ("transmitted", "H_T")]
+    shown = ", ".join(f"{word} {1e3 * entry[key]:.4g} mm" for word, key in heights if _number(entry[key]))
+    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown))
+    w = entry["window"]
+    lines.append(("window", f"{w['start']:.4g} to {w['end']:.4g} s, {w['periods']} periods: {w['reason']}"))
+    lines.append((f"interval ({100 * entry['confidence']:g} %)", entry["covers"]))
+    if _number(entry["residual"]):
+        lines.append(("unexplained", f"{100 * entry['residual']:.2g} % of the amplitude at the gauges"))
+    if known:
+        lines.append(("linear theory", f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"))
+    return [*lines, *(("note", note) for note in entry["notes"])]
+
+
+def _number(value: Any) -> bool:
+    return value is not None and math.isfinite(value)

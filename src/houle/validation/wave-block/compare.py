@@ -1,0 +1,72 @@
+"""Reflection and transmission of a vertical porous block against linear (eigenfunction) theory."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from houle import reflection
+from houle.validation.check import Check, Variant, report
+from houle.validation.flume import block, linear
+from houle.validation.measure import largest
+
+if TYPE_CHECKING:
+    from houle.runner import Run
+
+LINEAR, QUADRATIC = 0.02, 0.05  # absolute, of C_R and C_T: linear drag, Darcy-Forchheimer drag made linear
+SMALL = 0.005  # m, height of the waves of the table
+ROCK = {
+    "porosity": 0.45,
+    "grain_diameter": 0.0159,
+    "resistance": {"law": "jensen-2014", "alpha": 500.0, "beta": 2.0},
+    "added_mass": 0.34,
+}
+
+
+def one(period: float, friction: float, porosity: float, wall: bool = False, quick: bool = False) -> Variant:
+    """Waves of 5 mm on a block with linear drag."""
+    name = f"T-{period:g}-s-f-{friction:g}-n-{porosity:g}" + ("-wall" if wall else "")
+    return Variant(name, block(period, SMALL, linear(friction, period, porosity), wall=wall), quick)
+
+
+def rock(height: float, wall: bool) -> Variant:
+    """Waves on crushed rock."""
+    name = f"rock-{1e3 * height:g}-mm" + ("-wall" if wall else "")
+    return Variant(name, block(1.5, height, ROCK, wall=wall), False)
+
+
+VARIANTS = (
+    Variant("", {"reflection.twin": False}),
+    *(
+        one(period, friction, porosity, wall, quick=(period, friction, porosity, wall) == (1.0, 0.5, 0.45, True))
+        for period in (1.0, 1.5, 2.0)
+        for friction in (0.25, 0.5, 1.0)
+        for porosity in (0.85, 0.45)
+        for wall in (False, True)
+    ),
+    *(rock(height, wall) for height in (0.02, 0.04) for wall in (False, True)),
+    Variant("dx-10-mm", {"domain.spacing": 0.01, "reflection.twin": False}, quick=False),
+)
+
+
+def compare(run: Run) -> list[Check]:
+    found = reflection.measure(run)
+    known = reflection.theory(run.case, found.H_I)
+    assert known is not None
+    resistance = run.case.porous[0].resistance
+    limit = LINEAR if resistance.b == 0.0 else QUADRATIC
+    off: dict[str, Any] = {
+        "C_R": (found.C_R, found.interval_R, known.C_R),
+        "C_T": (found.C_T, found.interval_T, known.C_T),
+    }
+    checks = []
+    for name, (value, (low, high), exact) in off.items():
+        if math.isfinite(value):
+            note = f"measured {value:.3f} ({low:.3f} to {high:.3f}), theory {exact:.3f}, f = {known.friction:.3g}"
+            checks.append(Check(f"{name}, distance from theory", abs(value - exact), "", limit, note=note))
+    return [
+        *checks,
+        report("incident height over the target", found.H_I / reflection.first_harmonic(reflection.wave_of(run.case))),
+        report("unexplained by two waves", 100.0 * found.residual, "%"),
+        Check("volume drift", largest(run.series.volume_drift), "-", 1e-12),
+    ]

@@ -1,0 +1,138 @@
+"""Height, decay, celerity, shape and level of waves in an empty flume; both sides of the internal source."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from houle import analysis, reflection
+from houle.grid import FloatArray
+from houle.reflection import first_harmonic, wave_of
+from houle.validation.check import Check, Variant, report
+from houle.validation.flume import PERIODS, empty, two_sided, wall
+from houle.validation.measure import largest
+
+if TYPE_CHECKING:
+    from houle.runner import Run
+    from houle.waves.wave import Wave
+
+HEIGHT, SIDES, SPURIOUS = 2.0, 1.0, 2.0  # %
+DECAY, CELERITY, LOSS = 0.5, 0.5, 2.0  # % per wavelength, %, % of the energy per wavelength
+SHAPE, LEVEL = 4.0, 0.1  # % of H (rms), mm
+WALL = 0.98
+
+VARIANTS = (
+    Variant("", quick=False),
+    Variant("dx-20-mm", {"domain.spacing": 0.02}),
+    Variant("dx-5-mm", {"domain.spacing": 0.005}, quick=False),
+    Variant("H-80-mm", empty(1.2, 0.08), quick=False),
+    Variant("H-80-mm-dx-20-mm", {**empty(1.2, 0.08), "domain.spacing": 0.02}, quick=False),
+    Variant("wall", {**wall(1.2, 0.02), "domain.spacing": 0.02}),
+    *(
+        Variant(f"source-T-{period:g}-s", {**two_sided(period, 0.01), "domain.spacing": 0.02}, quick=period == 1.0)
+        for period in (1.0, 1.5, 2.0)
+    ),
+)
+
+
+def compare(run: Run) -> list[Check]:
+    waves = run.case.waves
+    assert waves is not None
+    drift = Check("volume drift", largest(run.series.volume_drift), "-", 1e-12)
+    if run.case.reflection is not None:
+        return [*_at_wall(run), drift]
+    return [*(_travelling(run) if waves.source is None else _from_source(run)), drift]
+
+
+def _at_wall(run: Run) -> list[Check]:
+    """Standing waves in front of a solid wall."""
+    found = reflection.measure(run)
+    low, high = found.interval_R
+    wave = wave_of(run.case)
+    return [
+        Check("C_R of a solid wall", found.C_R, "", WALL, "min", note=f"{low:.3f} to {high:.3f}"),
+        report("unexplained by two waves", 100 * found.residual, "%"),
+        report("incident height over the target", found.H_I / first_harmonic(wave)),
+    ]
+
+
+def _travelling(run: Run) -> list[Check]:
+    """Waves that have left the zone."""
+    wave, card = wave_of(run.case), _card(run, [gauge.name for gauge in run.case.gauge], 1.0)
+    fine, steep = run.case.domain.spacing < 0.011, wave.height > 0.05
+    return [
+        Check("height over the target", 100 * abs(card.height / card.target - 1), "%", HEIGHT),
+        Check("decay per wavelength", 100 * card.decay, "%", DECAY if fine and not steep else None),
+        Check("celerity off Fenton", 100 * abs(card.celerity), "%", CELERITY if not steep else None),
+        Check("rms distance from Fenton, of H", 100 * _shape_error(run, wave), "%", SHAPE, note="phase fitted"),
+        Check("reflection of the sponge", 100 * card.reflection, "%", SPURIOUS),
+        Check("mean level, drift in the window", 1e3 * abs(card.drift), "mm", LEVEL),
+        report("mean level off still water", 1e3 * card.set_down, "mm"),
+        Check("energy lost in numbers, per wavelength", 100 * _loss(run, wave), "%", LOSS),
+    ]
+
+
+def _from_source(run: Run) -> list[Check]:
+    """Waves to both sides."""
+    names = [gauge.name for gauge in run.case.gauge]
+    right = _card(run, [n for n in names if n.startswith("R")], 1.0)
+    left = _card(run, [n for n in names if n.startswith("L")], -1.0)
+    return [
+        Check("height to the right over the target", 100 * abs(right.height / right.target - 1), "%", HEIGHT),
+        Check("height to the left over the target", 100 * abs(left.height / left.target - 1), "%", HEIGHT),
+        Check("left over right", 100 * abs(left.height / right.height - 1), "%", SIDES),
+        Check("reflection of the right sponge", 100 * right.reflection, "%", SPURIOUS),
+        Check("reflection of the left sponge", 100 * left.reflection, "%", SPURIOUS),
+        Check("mean level, drift in the window", 1e3 * max(abs(right.drift), abs(left.drift)), "mm", LEVEL),
+    ]
+
+
+def _window(run: Run, wave: Wave) -> tuple[float, float]:
+    """The last periods [s]."""
+    end = float(run.series.time[-1])
+    return end - PERIODS * wave.period - 0.01 * wave.period, end
+
+
+def _card(run: Run, gauges: list[str], towards: float) -> analysis.QualityCard:
+    wave, case = wave_of(run.case), run.case
+    assert case.waves is not None
+    return analysis.quality_card(
+        run,
+        depth=case.waves.depth,
+        period=wave.period,
+        height=first_harmonic(wave),
+        window=_window(run, wave),
+        still_water=case.waves.depth,
+        reference=wave.k,
+        gauges=gauges,
+        towards=towards,
+    )
+
+
+def _shape_error(run: Run, wave: Wave) -> float:
+    """rms between levels and theory over gauges and window, of the height; one shift in time for all gauges."""
+    start, end = _window(run, wave)
+    late = run.series.sel(time=slice(start, end))
+    eta: FloatArray = late.eta.transpose("gauge", "time").values - wave.depth
+    x, time = late.gauge_x.values[:, None], late.time.values[None, :]
+
+    def distance(shift: float) -> float:
+        return float(np.sqrt(np.mean((eta - wave.elevation(x, time - shift)) ** 2)))
+
+    shifts = np.linspace(-0.5, 0.5, 201) * wave.period
+    return min(distance(s) for s in shifts) / wave.height
+
+
+def _loss(run: Run, wave: Wave) -> float:
+    """Part of the energy flux that neither sponges nor viscosity took, per wavelength of free flume."""
+    start, end = _window(run, wave)
+    s = run.series.interp(time=[start, end])
+    gained = {n: float(s[n][1] - s[n][0]) for n in ("source_work", "sponge_work", "viscous_work", "drag_work")}
+    stored = float((s.kinetic_energy + s.potential_energy).diff("time")[0])
+    lost = gained["source_work"] - gained["sponge_work"] - gained["viscous_work"] - gained["drag_work"] - stored
+    fluid, case = run.case.fluid, run.case
+    flux = fluid.density * fluid.gravity * wave.height**2 / 8 * wave.group_velocity
+    assert case.waves is not None and case.waves.zone is not None
+    free = case.sponge[0].box[0][0] - max(case.waves.zone.x)
+    return lost / (flux * (end - start)) / (free / wave.length)
