@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from houle.analysis.linear import wave_number
+from houle.waves.dispersion import wave_number
 
 DEPTH = 0.25
 FACE = 4.0  # where irregular waves are reflected [m]

@@ -9,7 +9,7 @@ from analysis.flumes import DEPTH
 from houle import analysis
 from houle.analysis import energies, separation
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import wave_number
+from houle.waves.dispersion import wave_number
 
 PERIOD = 1.37
 GAUGES = np.array([0.0, 0.31, 0.55, 0.9])
@@ -210,11 +210,12 @@ def test_errors_say_what_to_do():
         ("give window=", {}),
         ("holds 1 periods", {"window": (2, 4)}),
         ("no gauge in front", {"window": (2, 18), "structure": -1.0}),
+        ("depth = -0.25 must be above 0", {"window": (2, 18), "depth": -0.25}),
         ("ramp: not used", {"window": (2, 18), "ramp": 3}),
         ("the record is too short", {"maker": -3.0, "structure": 3.0, "absorbing": True, "ramp": 9}),
     ):
         with pytest.raises(AnalysisError, match=words):
-            analysis.reflection(source, **given, **options)
+            analysis.reflection(source, **(given | options))
     dry = signal()
     dry[2, 700] = np.nan
     with pytest.raises(AnalysisError, match=r"gauge x=0\.55 has no level at t = 9\.1 s"):

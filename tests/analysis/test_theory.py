@@ -8,7 +8,7 @@ import pytest
 
 from houle.analysis import theory
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import celerity, group_velocity, wave_number
+from houle.waves.dispersion import wave_number
 
 DATA = Path(__file__).parent / "data"
 DEPTH, WIDTH = 0.25, 1.5
@@ -112,14 +112,3 @@ def test_impossible_blocks_are_refused():
         theory.porous_block(4.0, DEPTH, WIDTH, 85.0, 1.0)
     with pytest.raises(AnalysisError, match="width = 0"):
         theory.porous_block(4.0, DEPTH, 0.0, 0.85, 1.0)
-
-
-def test_linear_waves():
-    k = wave_number(np.array([0.0, 0.5, 4.0, 30.0]), DEPTH)
-    assert np.allclose(9.81 * k * np.tanh(k * DEPTH), np.array([0.0, 0.5, 4.0, 30.0]) ** 2, rtol=1e-14)
-    assert celerity(1e-3, DEPTH) == pytest.approx(np.sqrt(9.81 * DEPTH), rel=1e-6)
-    assert group_velocity(1e-3, DEPTH) == pytest.approx(np.sqrt(9.81 * DEPTH), rel=1e-6)
-    step = 1e-5
-    k1, k2 = (float(wave_number(4.0 + s, DEPTH)) for s in (-step, step))
-    assert group_velocity(4.0, DEPTH) == pytest.approx(2 * step / (k2 - k1), rel=1e-8)
-    assert group_velocity(60.0, 10.0) == pytest.approx(0.5 * celerity(60.0, 10.0))

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from houle.analysis.coefficients import reflection
     from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
     from houle.analysis.errors import AnalysisError
-    from houle.analysis.linear import celerity, group_velocity, wave_number
     from houle.analysis.overtopping import Overtopping, overtopping_events
     from houle.analysis.paper import Jh2020, jh2020
     from houle.analysis.quality import QualityCard, quality_card
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from houle.analysis.theory import Scatter, long_wave, porous_block, porous_block_lorentz
     from houle.analysis.waves import Spectrum, Waves, find_omega, harmonics, spectrum, zero_crossing
     from houle.analysis.window import Window, choose_window
+    from houle.waves.dispersion import celerity, group_velocity, wave_number
 
 __all__ = [
     "AnalysisError",
@@ -96,11 +96,6 @@ _MODULES = {
         "shields",
     ),
     "errors": ("AnalysisError",),
-    "linear": (
-        "celerity",
-        "group_velocity",
-        "wave_number",
-    ),
     "overtopping": (
         "Overtopping",
         "overtopping_events",
@@ -150,13 +145,14 @@ _MODULES = {
         "choose_window",
     ),
 }
-_HOME = {name: module for module, names in _MODULES.items() for name in names}
+_HOME = {name: f"houle.analysis.{module}" for module, names in _MODULES.items() for name in names}
+_HOME |= dict.fromkeys(("celerity", "group_velocity", "wave_number"), "houle.waves.dispersion")
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'houle.analysis' has no attribute {name!r}")
-    value = getattr(import_module(f"houle.analysis.{_HOME[name]}"), name)
+    value = getattr(import_module(_HOME[name]), name)
     globals()[name] = value
     return value
 

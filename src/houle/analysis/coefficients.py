@@ -8,13 +8,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from houle.analysis.errors import AnalysisError
+from houle.analysis.errors import AnalysisError, positive
 from houle.analysis.estimate import Task, irregular, paper, regular
-from houle.analysis.linear import GRAVITY
 from houle.analysis.records import Gauges, as_gauges, places
 from houle.analysis.result import Reflection
 from houle.analysis.waves import find_omega, spectrum
 from houle.analysis.window import Window, choose_window
+from houle.waves.dispersion import GRAVITY
 
 
 def reflection(
@@ -56,6 +56,7 @@ def reflection(
     """
     if kind not in ("regular", "irregular"):
         raise AnalysisError(f'kind = {kind!r}: "regular" or "irregular"')
+    positive(depth=depth, gravity=gravity)
     if maker is not None and structure is not None:
         towards = float(np.sign(structure - maker))
     front = _in_front(source, gauges, behind, structure, towards, window)

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import wave_number
 from houle.analysis.records import Gauges
 from houle.analysis.separation import LEAST, operator, require_spread, spread, weights
 from houle.analysis.waves import basis, harmonics
+from houle.waves.dispersion import wave_number
 
 Real = NDArray[Any]
 Complex = NDArray[Any]

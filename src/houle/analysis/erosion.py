@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import GRAVITY
 from houle.analysis.waves import harmonics
+from houle.waves.dispersion import GRAVITY
 
 Real = NDArray[np.float64]
 KARMAN = 0.40

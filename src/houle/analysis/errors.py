@@ -7,3 +7,10 @@ class AnalysisError(HouleError):
     """The signals, the places or the window do not determine what was asked for; the message says which and the
     cure.
     """
+
+
+def positive(**numbers: float) -> None:
+    """Raises AnalysisError for a number that is not above 0: depth=0.25."""
+    for name, number in numbers.items():
+        if not number > 0:
+            raise AnalysisError(f"{name} = {number:g} must be above 0, in SI units")

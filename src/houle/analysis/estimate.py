@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from houle.analysis import energies
 from houle.analysis.energies import Lines, Pieces
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import wave_number
 from houle.analysis.paper import jh2020
 from houle.analysis.records import Gauges
 from houle.analysis.result import Reflection
 from houle.analysis.separation import fit_wave_number, separate_xt, spread
 from houle.analysis.uncertainty import bootstrap, half_width, subsets
 from houle.analysis.window import Window
+from houle.waves.dispersion import wave_number
 
 RESIDUAL = 0.1  # of the amplitude, above which a note is due
 NONE = (float("nan"), float("nan"))

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis.energies import per_period
-from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import GRAVITY, wave_number
+from houle.analysis.errors import AnalysisError, positive
 from houle.analysis.records import Gauges, as_gauges
 from houle.analysis.waves import harmonics
+from houle.waves.dispersion import GRAVITY, wave_number
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,7 @@ def quality_card(
     [m], the depth if None and the mean level is nearer to it than to 0; reference the wave number [rad/m] that the wave
     should have (Fenton's, for its height), linear theory if None. Raises AnalysisError.
     """
+    positive(depth=depth, period=period, gravity=gravity)
     omega = 2 * np.pi / period
     g = as_gauges(source, gauges, window)
     g = Gauges(g.time, towards * g.x, g.eta, g.names)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import GRAVITY, wave_number
+from houle.waves.dispersion import GRAVITY, wave_number
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import GRAVITY
+from houle.waves.dispersion import GRAVITY
 
 Complex = NDArray[Any]
 Real = NDArray[np.float64]

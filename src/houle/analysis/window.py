@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from houle.analysis.errors import AnalysisError
-from houle.analysis.linear import GRAVITY, group_velocity
+from houle.analysis.errors import AnalysisError, positive
+from houle.waves.dispersion import GRAVITY, group_velocity, wave_number
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,9 @@ def choose_window(
     minimum    fewest periods
     Raises AnalysisError, which says how much longer the flume or the record must be.
     """
-    period, speed = 2 * np.pi / omega, group_velocity(omega, depth, gravity)
+    positive(omega=omega, depth=depth, gravity=gravity)
+    period = 2 * np.pi / omega
+    speed = float(group_velocity(wave_number(omega, depth, gravity), depth, gravity))
     along = 1.0 if structure > maker else -1.0
     at = along * (np.asarray(gauges, dtype=float) - maker)  # distances from the maker
     face = along * (structure - maker)
