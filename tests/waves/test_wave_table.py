@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 
 from houle.waves.spectra import irregular
-from houle.waves.table import Piston, Source, Waves, Zone, make
+from houle.waves.table import Source, Waves, Zone, make
 from houle.waves.theories import PASSPORTS, REGULAR
 
 REGULAR_WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25, "source": {"x": 2.0}}
@@ -40,11 +40,11 @@ def test_every_theory_and_kind_of_the_table_is_there():
 
 def test_makers():
     assert isinstance(table(source=..., zone={"x": [0.0, 1.5]}).maker, Zone)
-    assert isinstance(table(source=..., piston={"absorb": True}).maker, Piston)
-    assert table(source=..., zone={"x": [3.0, 1.5]}).start == 1.5
-    assert "source and piston are given together" in complaints(piston={})
+    assert table(source=..., zone={"x": [0.0, 1.5]}).start == 0.0
+    assert "source and zone are given together" in complaints(zone={"x": [0.0, 1.5]})
     assert "nothing makes the waves" in complaints(source=...)
-    assert "has no length" in complaints(source=..., zone={"x": [1.0, 1.0]})
+    for places in ([1.0, 1.0], [3.0, 1.5]):
+        assert "which must be larger" in complaints(source=..., zone={"x": places})
 
 
 @pytest.mark.parametrize(

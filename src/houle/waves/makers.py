@@ -7,7 +7,7 @@ implicit drag with the pressure: it limits no time step.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log, pi, sqrt
+from math import exp, log, pi, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -39,11 +39,12 @@ class InternalSource:
 
     G = exp(-beta (x - x0)^2), beta = 20 / width^2, uniform over the depth. To both sides each component is pushed by
     -g (D/omega) G' sin(omega t - k_y y - psi); to one side by half of that with the part added whose waves on the other
-    side cancel: -g (D/2 omega) (G' sin(...) +- G''/k_x cos(...)).
+    side cancel: -g (D/2 omega) (G' sin(...) +- G''/k_x cos(...)). Oblique waves are pushed along y as well, by the
+    other derivative of the same potential: without it they would come out lower, by the squared cosine of the angle.
 
-    first     number of the first face it pushes
-    shapes    G' [1/m] and +-G''  [1/m2] on these faces (2, faces)
-    size      g D / omega of the components [m2/s2], halved for one side; k_x [rad/m]
+    first     number of the first face along x that it pushes
+    shapes    G' [1/m] and +-G''  [1/m2] on these faces (2, faces); across: G [-] and +-G' [1/m] between them
+    size      g D / omega of the components [m2/s2], halved for one side; k_x, k_y [rad/m]
     """
 
     first: int
@@ -53,6 +54,9 @@ class InternalSource:
     omega: FloatArray
     offset: FloatArray  # k_y y + psi [rad], (ny, components); one row in 2D
     duration: float  # of the ramp [s]
+    k_y: FloatArray
+    across: FloatArray
+    offset_across: FloatArray  # on the faces along y (ny + 1, components); no row in 2D
 
     @classmethod
     def of(
@@ -62,9 +66,8 @@ class InternalSource:
         beta = SHARPNESS / width**2
         first, last = (round((table.x + s * REACH * width) / h) for s in (-1, 1))
         first, last = max(1, first), min(count - 1, last)
-        x = np.arange(first, last + 1) * h - table.x
-        bell = np.exp(-beta * x**2)
-        slope, curvature = -2 * beta * x * bell, (4 * beta**2 * x**2 - 2 * beta) * bell
+        x: FloatArray = np.arange(first, last + 1, dtype=float) * h - table.x
+        shapes, across = _bell(x, beta)[1:], _bell(x[:-1] + h / 2, beta)[:2]
         k_x, k_y = parts.k * np.cos(parts.direction), parts.k * np.sin(parts.direction)
         reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I, the strength of G at k_x
         height = 2 * parts.amplitude
@@ -79,9 +82,15 @@ class InternalSource:
         sign = {"both": 0.0, "right": 1.0, "left": -1.0}[table.side]
         if sign:
             size = size / 2
-        y = grid.axis_points(1) if grid.dimension == 3 else np.zeros(1)
-        offset = y[:, None] * k_y + k_x * table.x * (sign or 1.0) + parts.phase
-        return cls(first, np.stack([slope, sign * curvature]), size, k_x, parts.omega, offset, duration)
+        y, faces = np.zeros(1), np.zeros(0)
+        if grid.dimension == 3:
+            y, faces = grid.axis_points(1), grid.axis_points(1, on_faces=True)
+        there = k_x * table.x * (sign or 1.0) + parts.phase
+        chosen = np.array([[1.0], [sign]])
+        return cls(
+            first, chosen * shapes, size, k_x, parts.omega, y[:, None] * k_y + there, duration, k_y, chosen * across,
+            faces[:, None] * k_y + there,
+        )  # fmt: skip
 
     def resist(self, rate: Faces) -> None:
         """It damps nothing."""
@@ -93,6 +102,17 @@ class InternalSource:
         here = acceleration[0][self.first : self.first + self.shapes.shape[1]]
         force = self.shapes[0][:, None] * beat[0] + self.shapes[1][:, None] * beat[1]  # (faces, ny)
         here += force[..., None] if here.ndim == 3 else force
+        if here.ndim == 3 and self.k_y.any():
+            theta, size = self.omega * t - self.offset_across, grown * self.k_y * self.size
+            beat = np.stack([(size * np.cos(theta)).sum(-1), -(size / self.k_x * np.sin(theta)).sum(-1)])
+            force = self.across[0][:, None] * beat[0] + self.across[1][:, None] * beat[1]  # (cells, ny faces)
+            acceleration[1][self.first : self.first + self.across.shape[1]] += force[..., None]
+
+
+def _bell(x: FloatArray, beta: float) -> FloatArray:
+    """G = exp(-beta x^2), its first and its second derivative (3, ...)."""
+    bell = np.exp(-beta * x**2)
+    return np.stack([bell, -2 * beta * x * bell, (4 * beta**2 * x**2 - 2 * beta) * bell])
 
 
 def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatArray:
@@ -176,16 +196,32 @@ def damping(group_velocity: float, length: float) -> float:
     return -3 * log(LEFT_OVER) * group_velocity / length
 
 
-def make_maker(table: Waves, wave: Wave, grid: Grid) -> InternalSource | RelaxationZone:
-    """The maker that the table asks for. Raises WaveError."""
-    if table.zone is not None:
-        return RelaxationZone.of(table.zone, wave, grid, table.ramp_time())
-    if table.source is None:
-        raise WaveError("waves.piston is not there yet: take waves.zone or waves.source")
+def left_over(strength: float, group_velocity: float, length: float) -> float:
+    """Share of the amplitude of a wave that a sponge of this strength [1/s] lets come back: `damping` backwards."""
+    return exp(-strength * length / (3 * group_velocity))
+
+
+def source_width(table: Source, kind: str, wave: Wave) -> float:
+    """Width [m] of the source: as given, or in proportion to the wavelength."""
+    return table.width or WIDTH[kind == "regular"] * wave.length
+
+
+def oscillations(wave: Wave, kind: str) -> Components:
+    """What a source can make: the components of the wave. Raises WaveError if they are not all of it."""
     parts = wave.components()
     if parts is None:
-        raise WaveError(f"waves.source cannot make a {table.kind} wave, which is no sum of cosines: take waves.zone")
+        raise WaveError(f"waves.source cannot make a {kind} wave, which is no sum of cosines: take waves.zone")
+    if not parts.omega.all():
+        raise WaveError("waves.source cannot make the mean of the record, only what goes up and down: take waves.zone")
+    return parts
+
+
+def make_maker(table: Waves, wave: Wave, grid: Grid) -> InternalSource | RelaxationZone:
+    """The maker that the table asks for. Raises WaveError."""
+    maker = table.maker
+    if isinstance(maker, Zone):
+        return RelaxationZone.of(maker, wave, grid, table.ramp_time())
+    parts = oscillations(wave, table.kind)
     if table.kind == "regular":  # the harmonics of a steep wave are bound to it, and grow on the way
         parts = Components(*(getattr(parts, f)[:1] for f in ("amplitude", "omega", "k", "phase", "direction")))
-    width = table.source.width or WIDTH[table.kind == "regular"] * wave.length
-    return InternalSource.of(table.source, parts, wave, grid, table.ramp_time(), width)
+    return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), source_width(maker, table.kind, wave))

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from math import radians
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from houle.waves import record, spectra, theories
 from houle.waves.cnoidal import solitary
@@ -41,7 +41,8 @@ TAKES: dict[str, tuple[str, ...]] = {
     "focused": ("seed", "gamma"),
     "series": (),
 }
-MAKERS = ("source", "zone", "piston")
+CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "focus")  # what only some kinds take
+MAKERS = ("source", "zone")
 ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
 
 
@@ -79,18 +80,13 @@ class Zone(Table):
     x: Pair = Field(description="from, to; the wave is complete at the first, free at the second [m]")
 
     @model_validator(mode="after")
-    def has_a_length(self) -> Zone:
-        if self.x[0] == self.x[1]:
+    def runs_to_the_right(self) -> Zone:
+        if self.x[0] >= self.x[1]:
             raise ValueError(
-                f"x = [{self.x[0]:g}, {self.x[1]:g}] has no length: give two places, best a wavelength apart"
+                f"x = [{self.x[0]:g}, {self.x[1]:g}]: the wave is complete at the first and leaves at the second, "
+                "which must be larger, best by one and a half wavelengths"
             )
         return self
-
-
-class Piston(Table):
-    """waves.piston: the left wall moves."""
-
-    absorb: bool = Field(default=False, description="also takes up the waves that come back to it")
 
 
 class Waves(Table):
@@ -125,13 +121,12 @@ class Waves(Table):
     )
     source: Source | None = Field(default=None, description="internal source {x, width, form, side}")
     zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}")
-    piston: Piston | None = Field(default=None, description="moving left wall {absorb}")
 
     @model_validator(mode="after")
     def agrees(self) -> Waves:
         found = [f"{key} is missing: {self._what(key)}" for key in NEEDS[self.kind] if getattr(self, key) is None]
         allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
-        for key in ("theory", "height", "period", "seed", "gamma", "file", "focus"):
+        for key in CHOSEN:
             if key in self.model_fields_set and key not in allowed and getattr(self, key) is not None:
                 found.append(f'{key} does not belong to kind = "{self.kind}": remove it{self._hint(key)}')
         fits = self.theory == "auto" or self.theory.startswith("solitary") == (self.kind == "solitary")
@@ -140,9 +135,7 @@ class Waves(Table):
         given = [key for key in MAKERS if getattr(self, key) is not None]
         if len(given) != 1:
             held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
-            found.append(
-                f": {held}; give exactly one of source = {{x = ...}}, zone = {{x = [from, to]}}, piston = {{}}"
-            )
+            found.append(f": {held}; give exactly one of source = {{x = ...}}, zone = {{x = [from, to]}}")
         if self.height is not None and self.kind != "series" and self.height > self.depth:
             found.append(
                 f"height = {self.height:g} is above depth = {self.depth:g} m: no wave stands higher than 0.83 depths; "
@@ -151,6 +144,12 @@ class Waves(Table):
         if found:
             raise ValueError("\n".join(found))
         return self
+
+    @model_serializer(mode="wrap")
+    def written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the defaults of keys that its kind does not take: what is written can be read back."""
+        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        return {key: value for key, value in handler(self).items() if key in allowed or key not in CHOSEN}
 
     def _what(self, key: str) -> str:
         field = type(self).model_fields[key]
@@ -165,16 +164,14 @@ class Waves(Table):
         return ", they are in the file" if self.kind == "series" and key in ("height", "period") else ""
 
     @property
-    def maker(self) -> Source | Zone | Piston:
+    def maker(self) -> Source | Zone:
         """The one that is given."""
-        return next(m for m in (self.source, self.zone, self.piston) if m is not None)
+        return next(m for m in (self.source, self.zone) if m is not None)
 
     @property
     def start(self) -> float:
-        """Where the waves come from [m]: the source, the nearer end of the zone, the piston at 0."""
-        if self.source is not None:
-            return self.source.x
-        return min(self.zone.x) if self.zone is not None else 0.0
+        """Where the waves come from [m]: the middle of the source, the left end of the zone."""
+        return self.maker.x if isinstance(self.maker, Source) else self.maker.x[0]
 
     def ramp_time(self) -> float:
         """Time in which the waves grow [s]; use `wave.ramp(t, ramp_time)`."""
