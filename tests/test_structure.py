@@ -20,11 +20,11 @@ LAYERS = (
     {"flow", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},
     {"step"},
-    {"case_errors", "case_files", "case", "checks", "laboratory"},
+    {"case_errors", "case_files", "case", "layout", "wave_checks", "checks", "laboratory"},
     {"simulation"},
     {"output"},
     {"analysis"},
-    {"progress", "recorder", "bundle", "session", "preflight", "summary", "runner"},
+    {"progress", "recorder", "bundle", "session", "preflight", "wave_report", "summary", "runner"},
     {"validation", "bench", "check_report", "describe", "new"},
     {"cli"},
 )

@@ -194,14 +194,17 @@ class Shape(Table):
                 f": {held}; give exactly one of box = [[x, z], [x, z]], polygon = [[x, z], ...], below = level"
             )
         if self.box is not None:
-            low, high = self.box
-            if len(low) != len(high):
-                raise ValueError(f"box has corners of {len(low)} and {len(high)} numbers: both need the same")
-            if any(a >= b for a, b in zip(low, high, strict=True)):
-                raise ValueError(
-                    f"box = {case_errors.show(self.box)} is empty: the lower corner must stand first, all below"
-                )
+            _is_a_box(self.box)
         return self
+
+
+def _is_a_box(box: tuple[Point, Point]) -> None:
+    """Raises ValueError."""
+    low, high = box
+    if len(low) != len(high):
+        raise ValueError(f"box has corners of {len(low)} and {len(high)} numbers: both need the same")
+    if any(a >= b for a, b in zip(low, high, strict=True)):
+        raise ValueError(f"box = {case_errors.show(box)} is empty: the lower corner must stand first, all below")
 
 
 class Water(Shape):
@@ -295,6 +298,11 @@ class Sponge(Table):
         le=1e4,
         description="largest rate at which it slows the water down; when left out, 1 % of the waves comes back [1/s]",
     )
+
+    @model_validator(mode="after")
+    def is_a_box(self) -> Sponge:
+        _is_a_box(self.box)
+        return self
 
 
 class Gauge(Table):
@@ -435,7 +443,7 @@ class Case(Table):
     @model_validator(mode="after")
     def dimensions_agree(self) -> Case:
         d, found = self.domain.dimension, []
-        for key in ("water", "porous", "solid"):
+        for key in ("water", "porous", "solid", "sponge"):
             for i, shape in enumerate(getattr(self, key)):
                 if shape.box is not None and len(shape.box[0]) != d:
                     place = case_errors.place((key, i, "box"), self.__dict__)
@@ -450,6 +458,8 @@ class Case(Table):
             found.append(
                 f"fluid.acceleration has {len(self.fluid.acceleration)} numbers, domain.size has {d}: give {d}"
             )
+        if self.waves is not None and self.waves.direction and d == 2:
+            found.append(f"waves.direction = {self.waves.direction:g} degrees in 2D, where waves go along x: remove it")
         for i, gauge in enumerate(self.gauge):
             if (gauge.y is None) == (d == 3):
                 place = case_errors.place(("gauge", i, "y"), self.__dict__)

@@ -9,9 +9,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from houle import preflight
+from houle import preflight, wave_report
 from houle.case import Case
-from houle.checks import axes, require
+from houle.checks import require
+from houle.layout import axes
 from houle.resistance import REFERENCE_VELOCITY, Passport
 
 
@@ -20,10 +21,14 @@ def show(case: Case, picture: Path, threads: int | None = None, console: Console
     console = console or Console(highlight=False)
     findings = require(case)
     console.print(f"[bold]{escape(case.case.title or case.case.name)}[/]")
-    for finding in findings:
+    window = wave_report.steady(case)
+    for finding in findings if window is None else [*findings, window]:
         colour = "yellow" if finding.level == "warning" else "cyan"
         console.print(f"[{colour}]{finding.level}[/] {escape(str(finding))}", soft_wrap=True)
     console.print(_grid(case), soft_wrap=True)
+    for name, rows in (("waves", wave_report.wave_rows(case)), ("sponges", wave_report.sponge_rows(case))):
+        if rows:
+            console.print(_rows(name, rows))
     for body in preflight.passports(case):
         console.print(_passport(body))
         for warning in body.warnings:
@@ -38,6 +43,13 @@ def _grid(case: Case) -> str:
     cells = " x ".join(map(str, grid.shape))
     spacing = ", ".join(f"{h * 1000:.5g} mm in {axis}" for h, axis in zip(grid.spacing, axes(case), strict=True))
     return f"Grid: {cells} cells; spacing {spacing} (asked for {case.domain.spacing * 1000:g} mm)"
+
+
+def _rows(title: str, rows: list[tuple[str, str]]) -> Table:
+    table = Table(title=title, title_justify="left", show_header=False)
+    for name, words in rows:
+        table.add_row(escape(name), escape(words))
+    return table
 
 
 def _passport(p: Passport) -> Table:

@@ -10,139 +10,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
-from math import inf, sqrt
-from typing import Any, Literal
+from math import sqrt
+from typing import Literal
 
 import numpy as np
 import shapely
-from shapely.ops import polylabel
 
-from houle import geometry
 from houle.case import Case
-from houle.case_errors import guess, place, several, show
+from houle.case_errors import guess, metres, place, several, show
 from houle.errors import CaseError
-from houle.grid import FloatArray
+from houle.layout import Finding, Section, axes
+from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
 ENOUGH = 4.0  # below is a warning
-COLUMNS = 500  # looked at for the levels of the water
 BYTES = 250  # of memory per particle, its share of the grid included
-
-
-@dataclass(frozen=True)
-class Finding:
-    """level; key the finding is about; the two numbers and the cure in words."""
-
-    level: Literal["error", "warning", "info"]
-    key: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.key} {self.text}"
-
-
-@dataclass(frozen=True)
-class Body:
-    """An entry of water, porous or solid with its place in the file and its shape."""
-
-    key: str
-    entry: Any
-    shape: geometry.Shape
-
-    @property
-    def free(self) -> bool:
-        """A level fills whatever is open below it; a box or a polygon means exactly itself."""
-        return self.entry.below is not None
-
-
-class Section:
-    """The case as polygons: bodies with their shapes, and the (x, z) window of the domain."""
-
-    def __init__(self, case: Case) -> None:
-        self.case, self.grid = case, case.domain.grid
-        self.window = (0.0, 0.0, case.domain.size[0], case.domain.size[-1])
-        self.water = self._bodies("water")
-        self.porous = self._bodies("porous")
-        self.solid = self._bodies("solid")
-        self.layers = geometry.layers(self.grid, [b.shape for b in self.bodies])
-
-    @property
-    def bodies(self) -> list[Body]:
-        return [*self.water, *self.porous, *self.solid]
-
-    def _bodies(self, key: str) -> list[Body]:
-        rows = enumerate(getattr(self.case, key))
-        d = self.case.dimension
-        return [Body(place((key, i), self.case.__dict__), row, geometry.shape_of(row, d)) for i, row in rows]
-
-    def area(self, bodies: list[Body], layer: geometry.Span) -> shapely.Geometry:
-        """What the bodies cover together of the domain's section in a layer."""
-        return geometry.section(self.grid, [b.shape for b in bodies], layer)
-
-    def overlap(self, one: list[Body], other: list[Body]) -> tuple[float, tuple[float, ...]]:
-        """Area [m2] of the largest common section over the layers, and the bounds of it in x, z."""
-        common = [shapely.intersection(self.area(one, y), self.area(other, y)) for y in self.layers]
-        largest = max(common, key=lambda c: c.area)
-        return largest.area, largest.bounds
-
-    @property
-    def speck(self) -> float:
-        """An area that does not matter [m2]."""
-        return 1e-6 * self.case.domain.spacing**2
-
-    def open_water(self, layer: geometry.Span) -> shapely.Geometry:
-        return shapely.difference(self.area(self.water, layer), self.area(self.solid, layer))
-
-    def tops(self, areas: list[shapely.Geometry]) -> FloatArray:
-        """Top [m] of an area per layer over evenly spaced columns; 0 where there is none."""
-        x = (np.arange(COLUMNS) + 0.5) / COLUMNS * self.window[2]
-        ends = np.stack([np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3])], axis=1)
-        columns = shapely.linestrings(ends)
-        return np.array([np.nan_to_num(shapely.bounds(shapely.intersection(columns, a))[:, 3]) for a in areas])
-
-    def depth(self) -> float:
-        """Highest level of the water [m]."""
-        return float(self.tops([self.open_water(y) for y in self.layers]).max())
-
-    def drop(self) -> float:
-        """Highest minus lowest level of the water at the start [m]; where it is dry the floor counts."""
-        water = self.tops([self.open_water(y) for y in self.layers])
-        floor = self.tops([self.area(self.solid, y) for y in self.layers])
-        return float(water.max() - np.maximum(water, floor).min())
-
-    def particles(self) -> float:
-        """How many the water is made of: 2 per cell and axis."""
-        flat = self.grid.dimension == 2
-        widths = [1.0 if flat else y1 - y0 for y0, y1 in self.layers]
-        volume = sum(self.open_water(y).area * w for y, w in zip(self.layers, widths, strict=True))
-        return volume / self.grid.cell_volume * 2**self.grid.dimension
-
-    def extent(self, body: Body) -> tuple[float, ...]:
-        """Length [m] of the body inside the domain along each axis."""
-        lower, upper = body.shape.bounds
-        return tuple(np.minimum(upper, self.case.domain.size) - np.maximum(lower, 0.0))
-
-    def thickness(self, body: Body) -> float:
-        """What the grid has to resolve [m]: width of the largest circle inside a polygon, shortest side of a box.
-
-        A side that reaches from wall to wall does not count; inf when all do.
-        """
-        size = self.case.domain.size
-        counted = [e for e, s in zip(self.extent(body), size, strict=True) if e < s * (1 - 1e-9)]
-        if body.entry.polygon is not None and counted:
-            outline = shapely.intersection(shapely.Polygon(body.entry.polygon), shapely.box(*self.window))
-            if self.extent(body)[0] >= size[0] * (1 - 1e-9):
-                counted.append(outline.area / size[0])
-            elif outline.geom_type == "Polygon":
-                centre = polylabel(outline, tolerance=0.02 * min(counted))
-                counted.append(2 * centre.distance(outline.exterior))
-        return min(counted, default=inf)
-
-
-def axes(case: Case) -> str:
-    """The letters of the axes."""
-    return "xz" if case.dimension == 2 else "xyz"
 
 
 def check(case: Case) -> list[Finding]:
@@ -186,19 +68,13 @@ def inside_domain(s: Section) -> Iterator[Finding]:
         ends = [(axis, float(v)) for corner in body.shape.bounds for axis, v in enumerate(corner) if np.isfinite(v)]
         beyond, axis, value = max((max(-v, v - size[a]) / size[a], a, v) for a, v in ends)
         if beyond * size[axis] > slack:
-            name, hint = axes(s.case)[axis], _metres(value, size[axis])
+            name, hint = axes(s.case)[axis], metres(value, size[axis])
             yield Finding(
                 "error",
                 f"{body.key}.{kind}",
                 f"reaches {name} = {value:g}, outside the domain 0 <= {name} <= {size[axis]:g} m: cut it there, or "
                 f"change domain.size.{hint}",
             )
-
-
-def _metres(value: float, size: float) -> str:
-    """A guess at the unit of a position far outside."""
-    units = ((0.01, "cm"), (0.001, "mm"))
-    return next((f" Were {u} given? Lengths are in m." for f, u in units if 10 * size < value <= size / f), "")
 
 
 def water_is_somewhere(s: Section) -> Iterator[Finding]:
@@ -314,7 +190,7 @@ def instruments(s: Section) -> Iterator[Finding]:
 def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]:
     name, size = axes(s.case)[axis], s.case.domain.size[axis]
     if not 0 <= value <= size:
-        hint = _metres(value, size)
+        hint = metres(value, size)
         yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")
 
 
@@ -324,7 +200,7 @@ def gates(s: Section) -> Iterator[Finding]:
     for i, gate in enumerate(s.case.gate):
         key = place(("gate", i, "x"), s.case.__dict__)
         if not h / 2 < gate.x < size - h / 2:
-            hint = _metres(gate.x, size)
+            hint = metres(gate.x, size)
             yield Finding("error", key, f"= {gate.x:g} does not lie inside the domain, 0 < x < {size:g} m.{hint}")
         else:
             text = f"= {gate.x:g} m: the gate stands on the nearest face of the grid, x = {round(gate.x / h) * h:.6g} m"
@@ -412,5 +288,7 @@ CHECKS = (
     times,
     materials,
     memory_suffices,
+    waves_fit,
+    sponges_fit,
     reference_is_there,
 )

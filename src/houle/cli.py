@@ -61,11 +61,14 @@ def about(version: Annotated[bool, typer.Option("--version", help="Print the ver
 
 @app.command()
 @ending
-def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the case.")]) -> None:
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the case.")],
+    waves: Annotated[bool, typer.Option("--waves", help="A flume with waves instead of a dam break.")] = False,
+) -> None:
     """Write NAME.toml, a commented case file to start from."""
     from houle.new import write
 
-    file = write(name)
+    file = write(name, waves=waves)
     typer.echo(f"{file} written. Next: houle check {file}")
 
 
@@ -124,7 +127,7 @@ def describe(
     topic: Annotated[
         str,
         typer.Argument(
-            metavar="TOPIC", help="resistance | kernels | transfers | remeshing | numerics | fields | schema"
+            metavar="TOPIC", help="resistance | theories | kernels | transfers | remeshing | numerics | fields | schema"
         ),
     ],
 ) -> None:

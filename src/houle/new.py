@@ -8,17 +8,18 @@ from pathlib import Path
 from houle.case_files import NAME
 from houle.errors import CaseError
 
-TEMPLATE = Path(__file__).parent / "template.toml"
+DAM_BREAK = Path(__file__).parent / "template.toml"
+WAVES = Path(__file__).parent / "template_waves.toml"
 
 
-def write(name: str) -> Path:
-    """NAME.toml, made from the template. Raises CaseError for a name that cannot be one, or that is taken."""
+def write(name: str, *, waves: bool = False) -> Path:
+    """NAME.toml, a dam break or a wave flume. Raises CaseError for a name that cannot be one, or that is taken."""
     file = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not re.match(NAME, file.stem):
         raise CaseError(f"NAME = {name} is not a name: letters, digits, - _ . only, a letter or digit first")
     try:
         with file.open("x", encoding="utf-8") as stream:
-            stream.write(TEMPLATE.read_text(encoding="utf-8").format(name=file.stem))
+            stream.write((WAVES if waves else DAM_BREAK).read_text(encoding="utf-8").format(name=file.stem))
     except FileExistsError:
         raise CaseError(f"{file} is there already: choose another name, or remove it first") from None
     except OSError as error:

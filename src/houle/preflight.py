@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from math import sqrt
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +12,14 @@ import numpy as np
 import shapely
 
 from houle.case import Case
-from houle.checks import BYTES, Body, Section, expected_speed
+from houle.checks import BYTES, expected_speed
+from houle.layout import Body, Section
 from houle.resistance import Passport, passport
+from houle.simulation import WAVE_SHARE
+from houle.wave_checks import reach, wave_of
 
 MICROSECONDS = 1.0  # of one core per particle and step, everything on; `houle bench` measures yours
+LONGEST = 5.5  # of the picture of a section, its length over its height
 STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
 
 
@@ -56,7 +62,9 @@ def price(case: Case, threads: int = 1) -> Price:
     d, h, g = case.dimension, case.domain.spacing, s.grid
     particles, cells = round(s.particles()), int(np.prod(g.shape))
     slow = min([1.0, *(b.entry.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
-    step = case.time.step or case.time.courant * h / (expected_speed(s) / (1.0 if s.drop() > h else slow))
+    fastest = expected_speed(s) / (1.0 if s.drop() > h else slow)
+    crossed = min(h / fastest, WAVE_SHARE * sqrt(h / max(case.fluid.gravity, 1e-12)))  # of a cell, by water; by waves
+    step = case.time.step or case.time.courant * crossed
     steps = int(np.ceil(case.time.end / step))
     frames = 1 + case.time.end / case.output.every
     per_frame = 4 * ((2 * d + 3) * particles + (d + 3) * cells)  # float32
@@ -73,14 +81,18 @@ def price(case: Case, threads: int = 1) -> Price:
 
 
 def draw(case: Case, file: Path) -> None:
-    """The section of the case as a picture (3D: at mid width): water, porous bodies hatched, solids, gauges, gates."""
+    """The section of the case as a picture (3D: at mid width): water, bodies, wave maker, sponges, gauges, gates.
+
+    The heights of a long flume are enlarged, by a factor that the picture names.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     s = Section(case)
     layer = next(y for y in s.layers if case.dimension == 2 or y[0] <= case.domain.size[1] / 2 <= y[1])
     width, height = case.domain.size[0], case.domain.size[-1]
-    figure = Figure(figsize=(10, float(np.clip(10 * height / width, 1.5, 9)) + 1.4), layout="constrained")
+    enlarged = enlargement(width, height)
+    figure = Figure(figsize=(10, min(9.3 * enlarged * height / width, 9.0) + 1.5), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     _fill(axes, s.open_water(layer), facecolor="#a9d3ee", edgecolor="none", label="water")
@@ -92,18 +104,70 @@ def draw(case: Case, file: Path) -> None:
     _fill(axes, s.area(s.solid, layer), facecolor="#777777", edgecolor="#333333", label="solid")
     for face, gate in zip(gate_faces(case), case.gate, strict=True):
         axes.plot([face, face], [0, height], color="#c0392b", linewidth=3, label=f"gate, {gate.speed:g} m/s", zorder=4)
-    for gauge in case.gauge:
-        axes.axvline(gauge.x, color="#2c3e50", linestyle="--", linewidth=0.9)
-        axes.annotate(gauge.name, (gauge.x, height), (0, 3), textcoords="offset points", ha="center", fontsize=8)
+    _waves(axes, case, s)
+    _gauges(axes, case)
     for sensor in case.sensor:
         axes.plot(sensor.at[0], sensor.at[-1], "o", color="#2c3e50", markersize=5, clip_on=False)
         axes.annotate(sensor.name, (sensor.at[0], sensor.at[-1]), (5, 5), textcoords="offset points", fontsize=8)
-    axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect="equal")
-    axes.set_title(case.case.title or case.case.name, loc="left", pad=18)
+    axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect=enlarged)
+    axes.set_title(case.case.title or case.case.name, loc="left", pad=22)
+    if enlarged > 1:
+        axes.set_title(f"heights enlarged {enlarged:g} times", loc="right", pad=22, fontsize=9, color="#5d6d7e")
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=min(5, len(unique)), frameon=False)
     figure.savefig(file, dpi=150, format="png", metadata={"Title": f"section of {case.case.name}"})
+
+
+def enlargement(width: float, height: float) -> float:
+    """Factor of the heights that makes a section no longer than LONGEST times its height: 1 for most."""
+    needed = width / height / LONGEST
+    power = 10.0 ** np.floor(np.log10(max(needed, 1.0)))
+    return float(next(f * power for f in (1, 2, 3, 4, 5, 6, 8, 10) if needed <= f * power * (1 + 1e-9)))
+
+
+def _gauges(axes: Any, case: Case) -> None:
+    """Lines with their names above; upright names where they would not stand side by side."""
+    places = sorted(gauge.x for gauge in case.gauge)
+    narrow = 0.008 * case.domain.size[0] * max([len(gauge.name) for gauge in case.gauge], default=0)
+    crowded = any(b - a < narrow for a, b in pairwise(places))
+    look: dict[str, Any] = {"rotation": 90, "fontsize": 6} if crowded else {"fontsize": 8}
+    for gauge in case.gauge:
+        axes.axvline(gauge.x, color="#2c3e50", linestyle="--", linewidth=0.9)
+        at = (gauge.x, case.domain.size[-1])
+        axes.annotate(gauge.name, at, (0, 3), textcoords="offset points", ha="center", va="bottom", **look)
+
+
+def _waves(axes: Any, case: Case, s: Section) -> None:
+    """Zones and sponges hatched, the source dashed where it acts, the still water level; their names at the top."""
+    if case.waves is None and not case.sponge:
+        return
+    height, colour = case.domain.size[-1], "#4d6f8c"
+    axes.axhline(s.depth(), color="#1f5f8b", linewidth=0.8, linestyle=(0, (8, 3)), label="still water level")
+    bands = [(p.box[0][0], p.box[1][0], p.name, "//") for p in case.sponge]
+    wave = wave_of(case)
+    if case.waves is not None and wave is not None:
+        low, high = reach(case, wave)
+        source = case.waves.source is not None
+        bands.append(
+            (
+                low,
+                high,
+                f"source, {case.waves.kind}" if source else f"zone, {case.waves.kind}",
+                "" if source else "\\\\",
+            )
+        )
+        if source:
+            axes.axvline(case.waves.start, color=colour, linewidth=1.4, linestyle=(0, (5, 2)))
+    for low, high, words, hatch in bands:
+        axes.axvspan(low, high, facecolor="none", edgecolor=colour, hatch=hatch, linewidth=0, alpha=0.45)
+        for x in (low, high):
+            axes.axvline(x, color=colour, linewidth=0.6, linestyle="-" if hatch else ":")
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+        at = ((low + high) / 2, height)
+        axes.annotate(
+            words, at, (0, -4), textcoords="offset points", ha="center", va="top", fontsize=8, color=colour, bbox=box
+        )
 
 
 def _fill(axes: Any, area: shapely.Geometry, **style: Any) -> None:

@@ -54,6 +54,9 @@ def made_case(dimension=2):
         porous=[SimpleNamespace(name="block", porosity=0.5, box=box, polygon=None, below=None)],
         solid=[],
         gate=[],
+        water=[SimpleNamespace(box=None, polygon=None, below=0.15)],
+        waves=None,
+        sponge=[],
         to_toml=lambda: "[case]",
     )
 
@@ -515,6 +518,29 @@ def test_pictures_of_a_run(tmp_path, dimension):
     assert has_colour(tmp_path / "surface.png", drawing.WATER) > 300
     assert has_colour(tmp_path / "surface.png", drawing.SHADE) > 3000
     assert has_colour(tmp_path / "surface.png", drawing.LABORATORY) == 0
+
+
+@pytest.mark.parametrize("maker", ["zone", "source"])
+def test_pictures_show_makers_sponges_and_still_water(tmp_path, maker):
+    from matplotlib.image import imread
+
+    from houle.output import pictures
+
+    grid, case = made_grid(), made_case()
+    outputs = Outputs(tmp_path, case, grid)
+    write(outputs, grid, range(6), range(21))
+    outputs.close()
+    pages = []
+    for makers, boxes in (
+        ({"zone": None, "source": None}, []),
+        ({"zone": None, "source": None}, [((0.7, 0.0), (0.9, 0.3))]),
+        ({"zone": None, "source": None, maker: SimpleNamespace(x=(0.0, 0.3) if maker == "zone" else 0.3)}, []),
+    ):
+        case.waves, case.sponge = SimpleNamespace(**makers), [SimpleNamespace(box=box) for box in boxes]
+        page = pictures.surface_picture(tmp_path / "surface.png", case, grid, read_surface(tmp_path))
+        pages.append(imread(page)[..., :3].mean(axis=-1))
+    calm, sponge, made = pages
+    assert (np.abs(sponge - calm) > 0.2).sum() > 300 and (np.abs(made - calm) > 0.2).sum() > 300
 
 
 def test_laboratory_points_are_drawn_and_scored(tmp_path):

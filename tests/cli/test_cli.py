@@ -49,6 +49,16 @@ def test_new_writes_a_case_that_checks_without_a_finding(here):
     assert "#" in file.read_text(encoding="utf-8")
 
 
+def test_new_writes_a_flume_with_waves_that_checks_without_a_finding(here):
+    assert houle_says("new", "sea", "--waves")[0] == 0
+    case = load(here / "sea.toml")
+    assert case.case.name == "sea" and case.waves is not None and require(case) == []
+    status, words = houle_says("check", "sea.toml")
+    assert status == 0 and "warning" not in words
+    for said in ("gauges can be taken apart from", "fenton", "kh = 0.942", "1 % of the waves come back"):
+        assert said in " ".join(words.split()), said
+
+
 def test_new_does_not_overwrite(here):
     file = start(here)
     file.write_text("mine")

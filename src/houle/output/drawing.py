@@ -232,6 +232,51 @@ def draw_bodies(
         panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
 
 
+@dataclass(frozen=True)
+class Band:
+    """What acts on the water between two places x [m]: hatched, with its name at the top."""
+
+    low: float
+    high: float
+    words: str
+
+
+def bands(case: Any, y: float) -> list[Band]:
+    """Relaxation zone and sponges of a case, in the section at y of a case in 3D."""
+    zone = case.waves.zone if case.waves is not None else None
+    found = [] if zone is None else [Band(zone.x[0], zone.x[1], "zone")]
+    for sponge in case.sponge:
+        low, high = sponge.box
+        if len(low) == 2 or low[1] <= y <= high[1]:
+            found.append(Band(low[0], high[0], "sponge"))
+    return found
+
+
+def draw_bands(panel: Axes, found: Sequence[Band]) -> None:
+    """Thin lines at 45 degrees, over the water."""
+    for band in found:
+        panel.axvspan(band.low, band.high, fc="none", ec=GREY, hatch="//", lw=0, zorder=2.4)
+        for x in (band.low, band.high):
+            panel.axvline(x, color=GREY, lw=0.6, zorder=2.4)
+        _at_the_top(panel, (band.low + band.high) / 2, band.words)
+
+
+def draw_source(panel: Axes, x: float) -> None:
+    """Where a wave maker inside the water stands."""
+    panel.axvline(x, color=INK, lw=0.9, ls=(0, (5, 3)), zorder=2.6)
+    _at_the_top(panel, x, "source")
+
+
+def draw_still_water(panel: Axes, level: float) -> None:
+    panel.axhline(level, color=GREY, lw=0.6, ls=(0, (10, 5)), zorder=2.3)
+
+
+def _at_the_top(panel: Axes, x: float, words: str) -> None:
+    ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
+    look: Any = {"ha": "center", "va": "top", "fontsize": SMALL, "color": INK, "zorder": 5, "bbox": ground}
+    panel.annotate(words, (x, 1.0), (0, -3), xycoords=panel.get_xaxis_transform(), textcoords="offset points", **look)
+
+
 def draw_gates(panel: Axes, gates: Sequence[Any], time: float, top: float) -> list[Line2D]:
     """The plates that are still in the picture, lifted as far as they are at this time [s]."""
     feet = [(gate.x, max(0.0, time - gate.start) * gate.speed) for gate in gates]

@@ -29,8 +29,24 @@ class Section:
         self.porous = drawing.bodies(case.porous, grid, self.y)
         self.solid = drawing.bodies(case.solid, grid, self.y)
         tops = [float(body.outline[:, 1].max()) for body in (*self.porous, *self.solid)]
+        self.bands = drawing.bands(case, self.y)
         highest = max([*(float(level) for level in levels), *tops], default=0.0)
-        self.height = min(grid.size[-1], 1.15 * highest) if highest > 0 else grid.size[-1]  # air for the words
+        air = 1.35 if self.waves else 1.15  # for the words
+        self.height = min(grid.size[-1], air * highest) if highest > 0 else grid.size[-1]
+
+    @property
+    def waves(self) -> bool:
+        """Whether something makes or damps waves."""
+        return self.case.waves is not None or len(self.bands) > 0
+
+    @property
+    def still_water(self) -> float:
+        """Highest level of the water at the start [m]."""
+        tops = []
+        for water in self.case.water:
+            corners = water.box or water.polygon
+            tops.append(water.below if corners is None else max(corner[-1] for corner in corners))
+        return float(max(tops))
 
     def sheet(self, count: int, words: str, below: float) -> Sheet:
         """Panels to scale; those of a long flume one under the other. below: inches for a legend or a colour bar."""
@@ -48,6 +64,11 @@ class Section:
         panel.spines["right"].set_visible(True)
         panel.locator_params(nbins=5)
         drawing.draw_bodies(panel, self.porous, self.solid, over=over)
+        if self.waves:
+            drawing.draw_still_water(panel, self.still_water)
+            drawing.draw_bands(panel, self.bands)
+            if self.case.waves is not None and self.case.waves.source is not None:
+                drawing.draw_source(panel, self.case.waves.source.x)
         return drawing.draw_gates(panel, self.case.gate, time, self.height)
 
     def draw_particles(self, panel: Axes, frame: Frame, scale: Normalize) -> AxesImage:

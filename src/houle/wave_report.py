@@ -1,0 +1,132 @@
+"""What `houle check` tells about waves: the wave, the maker, the sponges, and when the gauges can be believed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+from houle.analysis import AnalysisError, choose_window
+from houle.case import Case, Sponge
+from houle.case_errors import place
+from houle.layout import Finding, Section
+from houle.wave_checks import reach, wave_of
+from houle.waves.check import assess
+from houle.waves.makers import damping, left_over, source_width
+from houle.waves.sponge import sides
+from houle.waves.table import Source
+from houle.waves.wave import Wave
+
+FEWEST = {True: 3, False: 20}  # periods of a window, of regular waves and of spectra
+SETTLE = 2.0  # periods after the front
+
+
+def wave_rows(case: Case) -> list[tuple[str, str]]:
+    """(name, words) about the wave of the case and its maker; the numbers of `waves.check.assess`."""
+    wave = wave_of(case)
+    if wave is None:
+        return []
+    assert case.waves is not None
+    numbers = [text for level, text in assess(wave, max(case.domain.grid.spacing)) if level == "info"]
+    names = ("theory", "size", "limits", "on the grid") if len(numbers) == 4 else ("theory", *[""] * (len(numbers) - 1))
+    return [("wave", _wave(case)), *zip(names, numbers, strict=True), ("made by", _maker(case, wave))]
+
+
+def _wave(case: Case) -> str:
+    waves = case.waves
+    assert waves is not None
+    sizes = (("height", waves.height, "m"), ("period", waves.period, "s"), ("depth", waves.depth, "m"))
+    given = [f"{name} = {value:g} {unit}" for name, value, unit in sizes if value is not None]
+    return ", ".join([str(waves.kind), *given, *([waves.file] if waves.file else [])])
+
+
+def _maker(case: Case, wave: Wave) -> str:
+    waves = case.waves
+    assert waves is not None
+    then = f"; full after {waves.ramp_time():.3g} s; the front runs at {wave.group_velocity:.3g} m/s"
+    if isinstance(waves.maker, Source):
+        width, (low, high) = source_width(waves.maker, waves.kind, wave), reach(case, wave)
+        side = {"both": "to both sides", "left": "to the left", "right": "to the right"}[waves.maker.side]
+        at = f"source at x = {waves.maker.x:g} m, {width:.3g} m wide, acts from {low:.3g} to {high:.3g} m"
+        return f"{at}; {side}{then}"
+    start, end = waves.maker.x
+    long = f"{(end - start) / wave.length:.2f} wavelengths"
+    return f"relaxation zone, x {start:g} to {end:g} m, {long}; takes up what comes back{then}"
+
+
+def sponge_rows(case: Case) -> list[tuple[str, str]]:
+    """(name, words) of every sponge: where, how long, how strong, what comes back."""
+    wave = wave_of(case)
+    speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * Section(case).depth())
+    return [(place(("sponge", i), case.__dict__), _sponge(case, s, wave, speed)) for i, s in enumerate(case.sponge)]
+
+
+def _sponge(case: Case, sponge: Sponge, wave: Wave | None, speed: float) -> str:
+    axis, far = sides(sponge.box, case.domain.size, min(case.domain.grid.spacing) / 2)[0]
+    long = sponge.box[1][axis] - sponge.box[0][axis]
+    strength = sponge.strength or damping(speed, long)
+    side = (("left", "right"), ("front", "back"))[axis][far]
+    waves = f" ({long / wave.length:.2f} wavelengths)" if wave is not None else ""
+    back = left_over(strength, speed, long)
+    return f"{side} side, {long:.3g} m long{waves}, up to {strength:.3g} 1/s: {100 * back:.2g} % of the waves come back"
+
+
+@dataclass(frozen=True)
+class Flume:
+    """What stands along x, seen from the maker to the right [m]."""
+
+    maker: float
+    gauges: list[float]
+    structure: float | None  # first face of what stands in the water behind the maker
+    left: float | None  # the wall that sends waves back behind the maker, None if they are taken up
+    right: float | None  # the wall at the other end, None behind a sponge
+
+    @classmethod
+    def of(cls, case: Case, section: Section, wave: Wave) -> Flume:
+        assert case.waves is not None
+        source = isinstance(case.waves.maker, Source)
+        maker = reach(case, wave)[1] if not source else case.waves.start
+        near, size = case.domain.spacing, case.domain.size[0]
+        quiet = not source or any(s.box[0][0] <= near for s in case.sponge)
+        taken = any(s.box[1][0] >= size - near for s in case.sponge)
+        faces = [float(b.shape.bounds[0][0]) for b in (*section.porous, *section.solid)]
+        faces = [x for x in faces if maker < x < size]
+        gauges = sorted(g.x for g in case.gauge if g.x >= maker)
+        return cls(maker, gauges, min(faces, default=None), None if quiet else 0.0, None if taken else size)
+
+
+def steady(case: Case) -> Finding | None:
+    """When the gauges to the right of the maker read incident and reflected waves and nothing else, or why never.
+
+    None without gauges, and for waves that pass once.
+    """
+    wave, waves = wave_of(case), case.waves
+    if wave is None or waves is None or waves.kind in ("solitary", "focused", "series"):
+        return None
+    flume = Flume.of(case, Section(case), wave)
+    if not flume.gauges or (waves.source is not None and waves.source.side == "left"):
+        return None
+    face = flume.structure if flume.structure is not None else flume.right
+    fewest, end = FEWEST[waves.kind == "regular"], case.time.end
+    ramp = waves.ramp_time() / wave.period
+    if face is None or face <= flume.gauges[0]:  # nothing in front of the gauges sends waves back
+        start = (flume.gauges[-1] - flume.maker) / wave.group_velocity + (ramp + SETTLE) * wave.period
+        if (periods := int((end - start) / wave.period + 1e-9)) >= fewest:
+            return Finding("info", "gauges", f"see steady waves from {start:.3g} s on, {periods} periods")
+        text = (
+            f"= {end:g} s is too short: the waves are steady at all gauges from {start:.3g} s on, {fewest} periods of "
+        )
+        return Finding(
+            "warning", "time.end", text + f"{wave.period:.3g} s are needed: {start + fewest * wave.period:.3g}"
+        )
+    try:
+        window = choose_window(
+            2 * pi / wave.period, wave.depth, maker=flume.maker, structure=face, gauges=flume.gauges, until=end,
+            ramp=ramp, settle=SETTLE, rear=flume.right, reflector=flume.left, absorbing=flume.left is None,
+            minimum=fewest, gravity=wave.gravity,
+        )  # fmt: skip
+    except AnalysisError as error:
+        key = "time.end" if str(error).startswith("the record") else "domain.size"
+        return Finding(
+            "warning", key, f": {str(error).replace('(absorbing=True)', 'with a [[sponge]] behind the source')}"
+        )
+    return Finding("info", "gauges", f"can be taken apart from {window}")

@@ -1,0 +1,203 @@
+"""Pre-flight of waves and sponges: each doubt is found, with both numbers; a good flume is left in peace."""
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from houle import checks, preflight, wave_report
+from houle.case import load
+from houle.errors import CaseError
+
+WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25}  # L = 1.667 m
+SPONGE = {"box": [[7.5, 0.0], [10.0, 0.4]]}
+ZONE = {"zone": {"x": [0.0, 2.5]}}
+SOURCE = {"source": {"x": 4.0, "width": 0.8}}
+LEFT = {"box": [[0.0, 0.0], [2.5, 0.4]]}
+
+
+def flume(waves=None, size=(10.0, 0.4), **tables):
+    base = {
+        "case": {"name": "flume"},
+        "domain": {"size": list(size), "spacing": 0.01},
+        "water": [{"below": 0.25}],
+        "sponge": [SPONGE],
+        "time": {"end": 20.0},
+    }
+    return load({**base, "waves": WAVE | (ZONE if waves is None else waves), **tables})
+
+
+def block(x0=5.0, x1=6.0):
+    return {"box": [[x0, 0.0], [x1, 0.4]], "porosity": 0.45, "resistance": {"a": 1.0, "b": 50.0}}
+
+
+def found(case):
+    """(level, key, text) of every finding that is no info."""
+    return [(f.level, f.key, str(f)) for f in checks.check(case) if f.level != "info"]
+
+
+GOOD = {
+    "zone": flume(porous=[block()], gauge=[{"x": 3.0}]),
+    "source": flume(SOURCE, sponge=[SPONGE, LEFT], porous=[block(5.5, 6.5)], gauge=[{"x": 5.0}]),
+    "one side": flume({"source": {"x": 1.0, "width": 0.8, "side": "right"}}),
+    "a bed under everything": flume(water=[{"below": 0.3}], solid=[{"box": [[0.0, 0.0], [10.0, 0.05]]}]),
+    "a beach in a sponge": flume(solid=[{"polygon": [[8.0, 0.0], [10.0, 0.0], [10.0, 0.3]]}]),
+    "spectrum": flume({"kind": "jonswap", **ZONE}),
+    "solitary": flume({"kind": "solitary", "period": None, "zone": {"x": [0.0, 6.0]}}, sponge=[]),
+    "3D": flume(  # 5 m sin(19.48 degrees) = L
+        {"source": {"x": 4.0, "width": 0.8}, "direction": 19.48},
+        sponge=[{"box": [[7.5, 0.0, 0.0], [10.0, 5.0, 0.4]]}, {"box": [[0.0, 0.0, 0.0], [2.5, 5.0, 0.4]]}],
+        domain={"size": [10.0, 5.0, 0.4], "spacing": 0.04, "walls": {"y": "periodic"}},
+        water=[{"below": 0.25}],
+    ),
+}
+
+
+@pytest.mark.parametrize("good", GOOD)
+def test_a_good_flume_is_left_in_peace(good):
+    coarse = ("waves", "domain.spacing") if good == "3D" else ()
+    assert [f for f in found(GOOD[good]) if f[1] not in coarse] == []
+
+
+# level, key and the words of the one finding
+DOUBTS = {
+    "it breaks": (flume({"height": 0.24, **ZONE}), "error", "waves.height", ["0.24", "breaks", "lower height"]),
+    "false crest": (
+        flume({"theory": "stokes-2", "period": 2.0, **ZONE}, sponge=[]), "error", "waves", ["Ursell", "fenton"]),
+    "too coarse": (
+        flume(domain={"size": [10.0, 0.4], "spacing": 0.1}, sponge=[]), "error", "waves", ["L/dx = 16.7", "0.0833"]),
+    "another depth": (
+        flume({"depth": 0.3, **SOURCE}, sponge=[SPONGE, LEFT]), "error", "waves.depth",
+        ["= 0.3 m", "0.25 m deep", "x = 3.4 to 4.6 m", "depth = 0.25"]),
+    "depth over a step": (
+        flume(solid=[{"box": [[1.0, 0.0], [3.0, 0.1]]}]), "error", "waves.depth", ["0.15 m deep at x", "[[solid]]"]),
+    "maker on land": (
+        flume(solid=[{"box": [[0.0, 0.0], [3.0, 0.4]]}]), "error", "waves.depth", ["there is no water"]),
+    "source outside": (flume({"source": {"x": 12.0}}), "error", "waves.source.x", ["= 12", "0 < x < 10 m"]),
+    "source in cm": (flume({"source": {"x": 400.0}}), "error", "waves.source.x", ["cm given"]),
+    "source at the wall": (
+        flume({"source": {"x": 0.3, "width": 0.8, "side": "right"}}), "error", "waves.source.x",
+        ["0.6 m to each side", "wall at 0 m", "x = 0.6"]),
+    "source sends to the wall": (flume(SOURCE), "warning", "waves.source.side", ["[[sponge]]", "3.4 m", '"right"']),
+    "source in a sponge": (
+        flume({"source": {"x": 8.5, "width": 0.8}}, sponge=[SPONGE, LEFT]), "error", "sponge.sponge-1", ["damps"]),
+    "source beside a sponge": (
+        flume({"source": {"x": 2.9, "width": 0.8}}, sponge=[SPONGE, LEFT]), "warning", "sponge.sponge-2",
+        ["x = 0 to 2.5 m", "2.3 to 3.5 m", "lower"]),
+    "solitary from a source": (
+        flume({"kind": "solitary", "period": None, **SOURCE}, sponge=[]), "error", "waves.source", ["waves.zone"]),
+    "source in stones": (
+        flume(SOURCE, sponge=[SPONGE, LEFT], porous=[block(4.5, 5.5)]), "error", "porous.porous-1",
+        ["x 4.5 to 4.6 m", "clear water"]),
+    "zone in stones": (flume(porous=[block(2.0, 3.0)]), "error", "porous.porous-1", ["x 2 to 2.5 m"]),
+    "zone away from the wall": (
+        flume({"zone": {"x": [1.0, 3.5]}}), "error", "waves.zone.x", ["left wall", "x = [0, 3.5]"]),
+    "zone over everything": (
+        flume({"zone": {"x": [0.0, 12.0]}}, sponge=[]), "error", "waves.zone.x", ["outside the domain"]),
+    "short zone": (flume({"zone": {"x": [0.0, 1.7]}}), "warning", "waves.zone.x", ["1.02", "1.67 m", "[0, 2.5]"]),
+    "shorter zone": (flume({"zone": {"x": [0.0, 0.7]}}), "error", "waves.zone.x", ["0.42"]),
+    "zone into a sponge": (
+        flume(sponge=[{"box": [[2.0, 0.0], [10.0, 0.4]]}]), "error", "sponge.sponge-1", ["x = 2 m", "2.5 m"]),
+    "zone without a wall": (
+        flume(domain={"size": [10.0, 0.4], "spacing": 0.01, "walls": {"x": "periodic"}}, sponge=[]),
+        "error", "waves.zone", ["periodic"]),
+    "oblique from a zone": (
+        flume({"direction": 20.0, **ZONE}, (10.0, 0.4, 0.4), sponge=[]), "error", "waves.direction", ["waves.source"]),
+    "oblique, does not come round": (
+        flume({"source": {"x": 4.0, "width": 0.8}, "direction": 30.0}, sponge=[],
+              domain={"size": [10.0, 5.0, 0.4], "spacing": 0.04, "walls": {"y": "periodic"}}),
+        "error", "waves.direction", ["1.50 waves", "19.5 or 41.8 degrees"]),
+    "oblique between walls": (
+        flume({"source": {"x": 4.0, "width": 0.8}, "direction": 30.0}, sponge=[],
+              domain={"size": [10.0, 5.0, 0.4], "spacing": 0.04}),
+        "warning", "waves.direction", ['y = "periodic"']),
+    "lid": (flume(size=(10.0, 0.26), sponge=[]), "error", "domain.size", ["crests rise", "hit the lid", "height 0.3"]),
+    "lid over a standing wave": (
+        flume(size=(10.0, 0.29), sponge=[]), "warning", "domain.size", ["sent back whole", "height 0.3"]),
+    "gauge in the zone": (flume(gauge=[{"x": 2.0}]), "warning", "gauge.G1.x", ["waves.zone", "not complete"]),
+    "gauge in a sponge": (flume(gauge=[{"x": 8.0}]), "warning", "gauge.G1.x", ["sponge.sponge-1", "damped"]),
+    "no record": (flume({"kind": "series", "height": None, "period": None, "file": "no.csv", **ZONE}),
+        "error", "waves.file", ["no.csv", "cannot be read"]),
+    "sponge inside": (
+        flume(sponge=[{"box": [[5.0, 0.0], [8.0, 0.4]]}]), "error", "sponge.sponge-1.box",
+        ["touches no side", "x = 10"]),
+    "sponge everywhere": (
+        flume({"source": {"x": 5.0, "side": "right"}}, sponge=[{"box": [[0.0, 0.0], [10.0, 0.4]]}]),
+        "error", "sponge.sponge-1.box", ["from side to side"]),
+    "sponge outside": (
+        flume(sponge=[{"box": [[8.0, 0.0], [11.0, 0.4]]}]), "error", "sponge.sponge-1.box", ["x = 11", "0 <= x <= 10"]),
+    "sponge in a corner": (
+        flume(size=(10.0, 5.0, 0.4), domain={"size": [10.0, 5.0, 0.4], "spacing": 0.02},
+              sponge=[{"box": [[7.0, 3.0, 0.0], [10.0, 5.0, 0.4]]}]),
+        "error", "sponge.sponge-1.box", ["two sides"]),
+    "sponge at no wall": (
+        flume({"source": {"x": 3.0, "width": 0.8, "side": "right"}},
+              domain={"size": [10.0, 0.4], "spacing": 0.01, "walls": {"x": "periodic"}}),
+        "error", "sponge.sponge-1.box", ["no wall"]),
+    "short sponge": (
+        flume(sponge=[{"box": [[9.0, 0.0], [10.0, 0.4]]}]), "warning", "sponge.sponge-1.box",
+        ["0.60", "2.5 m are good"]),
+    "low sponge": (
+        flume(sponge=[{"box": [[7.5, 0.0], [10.0, 0.2]]}]), "warning", "sponge.sponge-1.box", ["0.2 m", "undamped"]),
+    "dry sponge": (
+        flume(solid=[{"box": [[7.0, 0.0], [10.0, 0.4]]}]), "error", "sponge.sponge-1", ["holds no water"]),
+    "sponge in stones": (flume(porous=[block(7.0, 8.0)]), "error", "porous.porous-1", ["sponge.sponge-1", "7.5 to 8"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("doubt", DOUBTS)
+def test_doubts_quote_the_numbers_and_the_cure(doubt):
+    case, level, key, words = DOUBTS[doubt]
+    told = [text for f_level, f_key, text in found(case) if (f_level, f_key) == (level, key)]
+    assert len(told) == 1, found(case)
+    assert all(word in told[0] for word in words), told[0]
+    if level == "error":
+        with pytest.raises(CaseError):
+            checks.require(case)
+
+
+def test_the_window_is_that_of_the_analysis():
+    case = flume(porous=[block()], gauge=[{"x": 3.0}, {"x": 3.4}])
+    good = wave_report.steady(case)
+    assert good is not None and good.level == "info" and "can be taken apart from" in good.text
+    short = wave_report.steady(load(case, {"time.end": 8.0}))
+    assert short is not None and (short.level, short.key) == ("warning", "time.end") and "s longer" in short.text
+    closed = flume({"source": {"x": 2.0, "width": 0.8, "side": "right"}}, gauge=[{"x": 3.0}], porous=[block(3.5, 4.5)])
+    there_and_back = wave_report.steady(closed)
+    assert there_and_back is not None and there_and_back.key == "domain.size" and "[[sponge]]" in there_and_back.text
+
+
+def test_an_empty_flume_wants_the_front_to_pass_the_last_gauge():
+    case = flume(gauge=[{"x": 3.0}, {"x": 7.0}])
+    wave = wave_report.wave_of(case)
+    start = (7.0 - 2.5) / wave.group_velocity + 4 * 1.2  # two periods of ramp, two to settle
+    for end, level in ((start + 3.05 * 1.2, "info"), (start + 2.9 * 1.2, "warning")):
+        told = wave_report.steady(load(case, {"time.end": float(end)}))
+        assert told is not None and told.level == level
+    assert wave_report.steady(flume()) is None, "no gauges"
+    assert wave_report.steady(GOOD["solitary"]) is None, "it passes once"
+
+
+def test_the_report_names_wave_maker_and_sponge():
+    rows = dict(wave_report.wave_rows(GOOD["source"]))
+    assert "height = 0.04 m" in rows["wave"] and "kh = 0.942" in rows["size"]
+    assert "acts from 3.4 to 4.6 m" in rows["made by"] and "full after 2.4 s" in rows["made by"]
+    assert "1.50 wavelengths" in dict(wave_report.wave_rows(GOOD["zone"]))["made by"]
+    (_, words), (name, left) = wave_report.sponge_rows(GOOD["source"])
+    assert name == "sponge.sponge-2" and left.startswith("left side, 2.5 m long (1.50 wavelengths)")
+    assert words.startswith("right") and "1 % of the waves come back" in words
+    weak = wave_report.sponge_rows(flume(sponge=[SPONGE | {"strength": 1.0}]))[0][1]
+    assert "up to 1 1/s" in weak and "47 %" in weak  # exp(-2.5 / (3 * 1.10))
+
+
+def test_long_sections_are_enlarged_by_a_round_number():
+    sizes = ((1.0, 0.5), (5.5, 1.0), (10.0, 0.4), (50.0, 1.0))
+    assert [preflight.enlargement(*size) for size in sizes] == [1, 1, 5, 10]
+    assert all(w / h / preflight.enlargement(w, h) <= 5.5 for w, h in ((7.0, 0.4), (300.0, 5.0), (2e4, 10.0)))
+
+
+@pytest.mark.parametrize("good", ["zone", "source", "3D"])
+def test_the_picture_shows_what_acts_on_the_water(good, tmp_path):
+    preflight.draw(GOOD[good], tmp_path / "section.png")
+    colours = np.round(imread(tmp_path / "section.png")[..., :3] * 255).reshape(-1, 3)
+    names = np.abs(colours - (0x4D, 0x6F, 0x8C)).max(axis=1) < 3  # of the maker and the sponges, line of the source
+    assert names.sum() > (300 if GOOD[good].waves.source else 50)
