@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from houle import case, checks, fields
 from houle.case_files import shipped, tomllib
 from houle.cli import app
+from houle.waves.table import Focus, Source, Waves, Zone
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("src/**/*.md")])
@@ -18,8 +19,9 @@ CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 
 TABLES = {
     "case": case.Head, "domain": case.Domain, "fluid": case.Fluid, "water": case.Water, "porous": case.Porous,
-    "solid": case.Solid, "gate": case.Gate, "gauge": case.Gauge, "sensor": case.Sensor, "time": case.Time,
-    "numerics": case.Numerics, "output": case.Output, "reference": case.Reference,
+    "solid": case.Solid, "gate": case.Gate, "waves": Waves, "sponge": case.Sponge, "gauge": case.Gauge,
+    "sensor": case.Sensor, "time": case.Time, "numerics": case.Numerics, "output": case.Output,
+    "reference": case.Reference,
 }  # fmt: skip
 
 
@@ -29,6 +31,11 @@ def test_every_table_and_key_of_the_case_file_is_described():
         assert f"[{name}]" in KEYS
         for key in model.model_fields:
             assert f"`{key}`" in KEYS, f"{name}.{key} is missing in docs/case-file.md"
+    for model in (Source, Zone, Focus):
+        for key in model.model_fields:
+            assert f"{model.__name__.lower()} `{key}`" in KEYS or f"| `{key}` |" in KEYS, (
+                f"waves.{model.__name__}.{key}"
+            )
     for key in [*case.Resistance.model_fields, *case.Walls.model_fields]:
         assert re.search(rf"\b{key}\b", KEYS), key
 
