@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from houle import _core
-from houle.case import Case, Porous
+from houle.case import WAVE_SHARE, Case, Porous
 from houle.errors import SimulationError
 from houle.flow import Flow
 from houle.frame import Frame
@@ -33,8 +33,6 @@ from houle.waves.makers import damping, make_maker
 from houle.waves.sponge import resist, way_length
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
-
-WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
 
 
 class Simulation:
