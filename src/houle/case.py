@@ -46,6 +46,8 @@ SCHEMES: dict[str, dict[str, Any]] = {
     },
 }
 
+WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
+
 Name = Annotated[str, Field(pattern=NAME, max_length=80)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
 Point2 = Annotated[tuple[float, float], Field(strict=False)]

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from houle import _core
-from houle.case import Case, Porous
+from houle.case import WAVE_SHARE, Case, Porous
 from houle.errors import SimulationError
 from houle.flow import Flow
 from houle.frame import Frame
@@ -26,7 +26,7 @@ from houle.remesh import STRATEGIES
 from houle.remeshing import Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.seeding import seed
-from houle.step import STEPS, WAVE_SHARE
+from houle.step import STEPS
 from houle.transfer import make
 from houle.waves.makers import damping, make_maker
 from houle.waves.sponge import resist, way_length

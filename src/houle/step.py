@@ -28,8 +28,6 @@ from houle.operations import (
 from houle.remeshing import Remeshing
 from houle.transfer import Transfer
 
-WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
-
 
 @dataclass
 class Step:

@@ -273,7 +273,7 @@ def draw_still_water(panel: Axes, level: float) -> None:
 
 def _at_the_top(panel: Axes, x: float, words: str) -> None:
     ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
-    look: Any = {"ha": "center", "va": "top", "fontsize": 7.5, "color": INK, "zorder": 5, "bbox": ground}
+    look: Any = {"ha": "center", "va": "top", "fontsize": SMALL, "color": INK, "zorder": 5, "bbox": ground}
     panel.annotate(words, (x, 1.0), (0, -3), xycoords=panel.get_xaxis_transform(), textcoords="offset points", **look)
 
 
