@@ -14,7 +14,7 @@ from houle.validation.measure import largest
 if TYPE_CHECKING:
     from houle.runner import Run
 
-HEIGHT = 10.0  # %: of some 25 waves; the scatter of so few is about as large
+HEIGHT = 10.0  # %: of some 22 waves; the scatter of so few is about as large
 SLOPE = 0.5  # tangent
 
 
