@@ -24,18 +24,8 @@ LAYERS = (
     {"simulation"},
     {"output"},
     {"analysis"},
-    {
-        "progress",
-        "recorder",
-        "bundle",
-        "session",
-        "preflight",
-        "wave_report",
-        "reflection",
-        "twin",
-        "summary",
-        "runner",
-    },
+    {"progress", "recorder", "bundle", "session", "preflight", "wave_report"}
+    | {"reflection", "twin", "summary", "runner"},
     {"validation", "bench", "check_report", "describe", "new"},
     {"cli"},
 )
