@@ -153,7 +153,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
 // Coefficients of the pressure system (15) at the true sub-cell surface:
 //   sum_f k_f (p_c - p_nb) + e_c p_c = -(1/h) sum of the net outflux of `star`   [1/s], p = pressure / density.
 // k = open mobility / h^2 on every face; e (cells): faces from an active cell to air, k / theta. mobility or star may
-// be null: then 1, and no right-hand side (the position correction). least: lower bound of theta.
+// be null: then 1, and no right-hand side (the position correction). least: depth of an active centre that counts.
 template <int D>
 inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
                             ConstFaces<D> mobility, ConstFaces<D> star, double least, Faces<D> k, double* e,

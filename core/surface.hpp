@@ -122,11 +122,12 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
       64);
 }
 
-// The place of the surface between an active cell and its air neighbour, in cells from the active centre. Below
-// `least` the pressure of the cell is as good as zero; the limit bounds the coefficient (ghost fluid, Gibou 2002).
+// The place of the surface between an active cell and its air neighbour, in cells from the active centre (ghost fluid,
+// Gibou 2002). The depth of the centre counts as `least` at least, which bounds the coefficient; on all faces of the
+// cell alike, so that its pressure is that of this depth and pushes to the side no more than the slope of the surface.
 inline double surface_fraction(double d_water, double d_air, double least) {
-  const double theta = d_water / (d_water - d_air);
-  return theta < least ? least : (theta > 1.0 ? 1.0 : theta);
+  const double depth = d_water < least ? least : d_water, theta = depth / (depth - d_air);
+  return theta > 1.0 ? 1.0 : theta;
 }
 
 // ---- rows: the lines of a field along the last axis, its columns of cells or faces ----------------------------------

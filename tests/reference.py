@@ -209,7 +209,8 @@ def column_heights(grid, position, bulk):
 
 def surface_fraction(d_water, d_air, least):
     """Share of the way from the water's centre to its air neighbour's at which the surface lies."""
-    return min(1.0, max(least, d_water / (d_water - d_air)))
+    depth = max(least, d_water)
+    return min(1.0, depth / (depth - d_air))
 
 
 # ---- faces -----------------------------------------------------------------------------------------------------------

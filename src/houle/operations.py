@@ -11,8 +11,8 @@ from houle.grid import FloatArray
 from houle.ledger import Ledger
 from houle.transfer import Transfer
 
-LEAST_THETA = 1e-3  # least distance of the surface from a cell centre, in cells (pressure)
-LEAST_THETA_CORRECTION = 0.2
+LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
+LEAST_DEPTH_CORRECTION = 0.2
 FULL_CORRECTION = 0.25  # Courant number of a step from which on the whole share of the correction is applied
 MOST_SHIFT = 0.1  # cells a correction may move a particle
 
@@ -135,7 +135,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     core, tolerance = flow.grid.core, flow.tolerance / dt
     system = (flow.coefficient, flow.dirichlet, flow.rhs)
     _core.pressure_system(
-        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.velocity, LEAST_THETA, *system
+        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.velocity, LEAST_DEPTH, *system
     )
     flow.solver.setup(flow.active, flow.coefficient, flow.dirichlet)
     iterations, residual = flow.solver.solve(flow.rhs, flow.pressure, tolerance, 200)[:2]
@@ -149,7 +149,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
             "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
-        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_THETA,
+        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_DEPTH,
         flow.velocity, flow.valid,
     )  # fmt: skip
     _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
@@ -205,7 +205,7 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     porosity = m.porosity if flow.porous else None
     find_surface(flow)
     _core.pressure_system(
-        g.core, flow.active, flow.depth, flow.open_faces, [], [], LEAST_THETA_CORRECTION,
+        g.core, flow.active, flow.depth, flow.open_faces, [], [], LEAST_DEPTH_CORRECTION,
         flow.coefficient, flow.dirichlet, flow.rhs,
     )  # fmt: skip
     _core.density_excess(
@@ -218,7 +218,7 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     for f in flow.face_work:
         f[...] = 0.0
     _core.project(
-        g.core, flow.active, flow.depth, flow.open_faces, [], flow.psi, LEAST_THETA_CORRECTION,
+        g.core, flow.active, flow.depth, flow.open_faces, [], flow.psi, LEAST_DEPTH_CORRECTION,
         flow.face_work, flow.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, flow.face_work, flow.valid)

@@ -40,6 +40,22 @@ def test_water_round_a_porous_block_does_not_move(block):
     np.testing.assert_allclose(sim.sample()["pressure"], exact, rtol=1e-6)
 
 
+def test_water_rests_with_its_level_at_the_centres_of_cells():
+    """Half of the columns have a pressure cell more than their neighbours, by round-off: nothing may come of it."""
+    sim = simulation(
+        {
+            "case": {"name": "level-at-centres"},
+            "domain": {"size": [1.0, 0.34], "spacing": 0.02},
+            "water": [{"below": 0.25}],
+            "time": {"end": 10.0},
+        }
+    )
+    while sim.time < 1.0:
+        sim.advance(1.0)
+    assert np.abs(sim.particles.velocity).max() < 1e-6
+    assert np.abs(sim.flow.eta - 0.25).max() < 1e-6 * 0.02
+
+
 @pytest.mark.parametrize("scheme", ["houle", "jh2020"])
 @pytest.mark.parametrize("transfer", ["fmpm", "flip", "pic", "apic"])
 def test_at_rest_with_every_scheme_and_transfer(scheme, transfer):
