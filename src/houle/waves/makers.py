@@ -21,6 +21,7 @@ SHARPNESS = 20.0  # beta width^2 of the source (JH2020 (4); Wei, Kirby & Sinha 1
 REACH = 1.25  # widths to each side of the source where its force is not negligible: exp(-20 * 1.25^2) = 3e-14
 NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
 WIDTH = {True: 1.0, False: 0.25}  # of a source for regular waves, for a spectrum with its short waves, in wavelengths
+FIRMNESS = 3.0  # of a zone, in the strength of a sponge: softer, the wave is too low; firmer, more comes back
 LEFT_OVER = 0.01  # of the amplitude of a wave that went through a sponge and back
 
 
@@ -128,7 +129,8 @@ def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatA
 class RelaxationZone:
     """The flow is led towards the wave, the harder the further in: du/dt = ... + sigma (u_wave - u).
 
-    What comes back from the structure is damped on its way in. The zone begins at a wall, which the wave of theory
+    What comes back from the structure is damped on its way in; sigma grows with the cube of the way over two thirds of
+    the zone, gently enough to send little back. The zone begins at a wall, which the wave of theory
     would cross: over the first part the wave grows from nothing, so that the water it needs comes from the level there.
 
     first, last   faces of axis 0 and cells it covers (slices)
@@ -161,14 +163,14 @@ class RelaxationZone:
         faces = slice(max(0, round(start / h)), min(n, round(end / h)) + 1)
         cells = slice(faces.start, faces.stop - 1)
         x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
-        most = damping(wave.group_velocity, (end - start) / 3)
+        most = FIRMNESS * damping(wave.group_velocity, 2 * (end - start) / 3)
         at_faces, at_centres = (
             (end - p) / (end - start) for p in x
         )  # 0 where the waves leave the zone, 1 at its start
         up = grid.dimension - 1
         return cls(
             wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
-            sigma=(most * np.clip(3 * at_faces, 0, 1) ** 2, most * np.clip(3 * at_centres, 0, 1) ** 2),
+            sigma=(most * np.clip(1.5 * at_faces, 0, 1) ** 3, most * np.clip(1.5 * at_centres, 0, 1) ** 3),
             share=(smooth(3 * (1 - at_faces)), smooth(3 * (1 - at_centres))),
             duration=duration,
         )  # fmt: skip
