@@ -15,7 +15,7 @@ CORE = ROOT / "core"
 # stands; imports for type checking only do not count.
 LAYERS = (
     {"_core", "errors"},
-    {"grid", "particles", "geometry", "moments", "fields", "frame"},
+    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"},
     {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "waves"},
     {"flow", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},

@@ -95,6 +95,11 @@ class Flow:
         """Work space of the full-mass-matrix transfer."""
         return (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)
 
+    @property
+    def viscous(self) -> bool:
+        """Whether anything rubs, water or eddies."""
+        return self.viscosity > 0.0 or self.smagorinsky > 0.0
+
     @cached_property
     def smoothing(self) -> Smoothing:
         """Sums over neighbouring particles, within two cells."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.errors import CaseError
+from houle.csv_table import read_columns
 
 if TYPE_CHECKING:
     from houle.case import Case
@@ -59,18 +59,7 @@ def path(case: Case) -> Path | None:
 
 def read(file: Path) -> Points:
     """The points of a CSV file: comment lines (#), a header t_s,x_m,eta_m, numbers. Raises CaseError."""
-    try:
-        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
-        header = [name.strip() for name in lines[0].split(",")]
-        rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
-        time, x, eta = (rows[:, header.index(name)] for name in COLUMNS)
-    except OSError as error:
-        raise CaseError(f"reference.surface = {file} cannot be read: {error.strerror}") from None
-    except (ValueError, IndexError) as error:
-        raise CaseError(
-            f"reference.surface = {file} is not a table with the header {','.join(COLUMNS)} and a number in "
-            f"every column ({error})"
-        ) from None
+    (time, x, eta), _ = read_columns(file, COLUMNS, "reference.surface")
     order = np.argsort(time, kind="stable")
     return Points(time[order], x[order], eta[order])
 

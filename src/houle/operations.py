@@ -68,7 +68,7 @@ def find_surface(flow: Flow) -> None:
 
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     """Viscous acceleration of the faces, with the eddy viscosity if there is one."""
-    if flow.viscosity == 0.0 and flow.smagorinsky == 0.0:
+    if not flow.viscous:
         return
     core, m = flow.grid.core, flow.medium
     if flow.smagorinsky > 0.0:
@@ -84,7 +84,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     """The paper's viscous term on the particles, added to their velocities: n/C_r nu_eff lap(u_d / n) dt."""
-    if flow.viscosity == 0.0 and flow.smagorinsky == 0.0:
+    if not flow.viscous:
         return
     flow.sample_medium()
     p, near, velocity = flow.particles, flow.smoothing, flow.pore_velocity()
@@ -108,7 +108,7 @@ def make_waves(flow: Flow) -> None:
         f[...] = 0.0
     for maker in flow.makers:
         maker.push(flow.time, flow.push)
-    if flow.viscosity == 0.0 and flow.smagorinsky == 0.0:
+    if not flow.viscous:
         flow.extra = flow.push
     else:
         for f, more in zip(flow.extra, flow.push, strict=True):

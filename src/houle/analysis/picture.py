@@ -5,40 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from houle.output.atomic import replacing
+from houle.output.drawing import DPI, FAINT, GREY, INK, LABORATORY, SHADE, WATER, style
 
 if TYPE_CHECKING:
     from houle.analysis.result import Reflection
 
-INK, GREY, FAINT, SHADE = "#22303c", "#7d8a96", "#dfe4e8", "#dceaf4"
-INCIDENT, REFLECTED = "#1f5f8b", "#c44e17"
-STYLE: dict[str, Any] = {
-    "font.family": ["DejaVu Sans"],
-    "font.size": 8.5,
-    "text.color": INK,
-    "axes.edgecolor": GREY,
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.color": GREY,
-    "ytick.color": GREY,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-}
+INCIDENT, REFLECTED = WATER, LABORATORY
 SIZE, GAP, LEFT, RIGHT, TOP, BOTTOM = (6.4, 1.75), 0.75, 0.78, 0.9, 0.95, 0.72  # inches: of a panel, and around them
 MOST_GAUGES = 6  # drawn; evenly chosen when there are more
 
 
 def draw(r: Reflection, path: Path) -> Path:
     """Signals with the window shaded; the envelope along the flume (regular waves); harmonics, or the spectrum."""
-    with matplotlib.rc_context(STYLE):  # type: ignore[arg-type]
+    with style():
         figure, panels = _sheet(r, 3 if r.amplitudes is not None else 2)
         _signals(panels[0], r)
         if r.amplitudes is not None:
@@ -48,7 +33,7 @@ def draw(r: Reflection, path: Path) -> Path:
         elif r.harmonics:
             _harmonics(panels[-1], r)
         with replacing(path) as temporary:
-            FigureCanvasAgg(figure).print_figure(temporary, format="png", dpi=150)
+            FigureCanvasAgg(figure).print_figure(temporary, format="png", dpi=DPI)
     return path
 
 

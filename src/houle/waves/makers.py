@@ -72,14 +72,9 @@ class InternalSource:
         k_x, k_y = parts.k * np.cos(parts.direction), parts.k * np.sin(parts.direction)
         reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I, the strength of G at k_x
         height = 2 * parts.amplitude
-        strength = (
-            wave.gravity
-            * height
-            * _speed(table.form, parts, wave.depth, wave.gravity)
-            * np.cos(parts.direction)
-            / reach
-        )
-        size = strength / parts.omega
+        speed = _speed(table.form, parts, wave.depth, wave.gravity)
+        strength = height * speed * np.cos(parts.direction) / reach  # D of (5)
+        size = wave.gravity * strength / parts.omega
         sign = {"both": 0.0, "right": 1.0, "left": -1.0}[table.side]
         if sign:
             size = size / 2
@@ -164,14 +159,14 @@ class RelaxationZone:
         cells = slice(faces.start, faces.stop - 1)
         x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
         most = FIRMNESS * damping(wave.group_velocity, 2 * (end - start) / 3)
-        at_faces, at_centres = (
-            (end - p) / (end - start) for p in x
-        )  # 0 where the waves leave the zone, 1 at its start
+        inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its start
+        at_faces, at_centres = (most * np.clip(1.5 * s, 0, 1) ** 3 for s in inwards)
+        grown_faces, grown_centres = (smooth(3 * (1 - s)) for s in inwards)
         up = grid.dimension - 1
         return cls(
             wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
-            sigma=(most * np.clip(1.5 * at_faces, 0, 1) ** 3, most * np.clip(1.5 * at_centres, 0, 1) ** 3),
-            share=(smooth(3 * (1 - at_faces)), smooth(3 * (1 - at_centres))),
+            sigma=(at_faces, at_centres),
+            share=(grown_faces, grown_centres),
             duration=duration,
         )  # fmt: skip
 

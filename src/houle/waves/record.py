@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from houle.csv_table import read_columns
 from houle.waves import dispersion
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components, WaveError
@@ -24,18 +25,7 @@ TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
 
 def read(file: Path) -> tuple[Array, Array]:
     """Times [s] and elevations [m] of a CSV file: comment lines (#), a header t_s,eta_m, numbers. Raises WaveError."""
-    try:
-        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
-        header = [name.strip() for name in lines[0].split(",")]
-        rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
-        time, eta = (rows[:, header.index(name)] for name in COLUMNS)
-    except OSError as error:
-        raise WaveError(f"waves.file = {file} cannot be read: {error.strerror}") from None
-    except (ValueError, IndexError) as error:
-        raise WaveError(
-            f"waves.file = {file} is not a table with the header {','.join(COLUMNS)} and a number in every "
-            f"column ({error})"
-        ) from None
+    (time, eta), rows = read_columns(file, COLUMNS, "waves.file", WaveError)
     if len(time) < 4 or not np.all(np.isfinite(rows)) or np.any(np.diff(time) <= 0):
         raise WaveError(
             f"waves.file = {file} needs at least 4 rows of finite numbers with rising times; it has {len(time)}"

@@ -1,0 +1,29 @@
+"""Tables of numbers that come with a case: comment lines (#), a header of names, rows separated by commas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.errors import CaseError
+
+
+def read_columns(
+    file: Path, columns: tuple[str, ...], key: str, error: type[CaseError] = CaseError
+) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
+    """The columns (N,) of these names, in this order; and the whole table (N, columns of the file).
+
+    `key` of the case file names the file. Raises `error` when it cannot be read, or is no such table.
+    """
+    try:
+        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
+        header = [name.strip() for name in lines[0].split(",")]
+        rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
+        return [rows[:, header.index(name)] for name in columns], rows
+    except OSError as problem:
+        raise error(f"{key} = {file} cannot be read: {problem.strerror}") from None
+    except (ValueError, IndexError) as problem:
+        wanted = f"the header {','.join(columns)} and a number in every column"
+        raise error(f"{key} = {file} is not a table with {wanted} ({problem})") from None
