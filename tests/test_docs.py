@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from houle import case, checks, fields
+from houle import checks, fields
+from houle.case import Case, load
 from houle.case_files import shipped, tomllib
 from houle.cli import app
+from houle.tables import control, observed, results, tank
 from houle.waves.table import Focus, Source, Waves, Zone
 
 ROOT = Path(__file__).parent.parent
@@ -18,16 +20,16 @@ KEYS = (ROOT / "docs" / "case-file.md").read_text(encoding="utf-8")
 CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 
 TABLES = {
-    "case": case.Head, "domain": case.Domain, "fluid": case.Fluid, "water": case.Water, "porous": case.Porous,
-    "solid": case.Solid, "gate": case.Gate, "waves": Waves, "sponge": case.Sponge, "gauge": case.Gauge,
-    "sensor": case.Sensor, "runup": case.RunUp, "overtopping": case.Overtopping, "force": case.Force,
-    "phreatic": case.Phreatic, "flux": case.Flux, "time": case.Time, "numerics": case.Numerics,
-    "output": case.Output, "reflection": case.Reflection, "reference": case.Reference,
+    "case": tank.Head, "domain": tank.Domain, "fluid": tank.Fluid, "water": tank.Water, "porous": tank.Porous,
+    "solid": tank.Solid, "gate": tank.Gate, "waves": Waves, "sponge": tank.Sponge, "gauge": observed.Gauge,
+    "sensor": observed.Sensor, "runup": observed.RunUp, "overtopping": observed.Overtopping, "force": observed.Force,
+    "phreatic": observed.Phreatic, "flux": observed.Flux, "time": control.Time, "numerics": control.Numerics,
+    "output": control.Output, "reflection": results.Reflection, "reference": results.Reference,
 }  # fmt: skip
 
 
 def test_every_table_and_key_of_the_case_file_is_described():
-    assert TABLES.keys() == case.Case.model_fields.keys()
+    assert TABLES.keys() == Case.model_fields.keys()
     for name, model in TABLES.items():
         assert f"[{name}]" in KEYS
         for key in model.model_fields:
@@ -37,7 +39,7 @@ def test_every_table_and_key_of_the_case_file_is_described():
             assert f"{model.__name__.lower()} `{key}`" in KEYS or f"| `{key}` |" in KEYS, (
                 f"waves.{model.__name__}.{key}"
             )
-    for key in [*case.Resistance.model_fields, *case.Walls.model_fields]:
+    for key in [*tank.Resistance.model_fields, *tank.Walls.model_fields]:
         assert re.search(rf"\b{key}\b", KEYS), key
 
 
@@ -55,7 +57,7 @@ def test_every_choice_of_the_numerics_is_named():
     for key in ("scheme", "transfer", "kernel", "remesh"):
         row = next(line for line in section.splitlines() if line.startswith(f"| `{key}` |"))
         named = set(re.findall(r'`"([a-z0-9-]+)"`', row))
-        assert named == set(case.Numerics.model_fields[key].annotation.__args__), key
+        assert named == set(control.Numerics.model_fields[key].annotation.__args__), key
 
 
 def test_every_field_is_described():
@@ -72,7 +74,7 @@ def test_links_lead_somewhere(document):
 def test_the_case_file_of_the_readme_is_a_good_case():
     example = re.search(r"```toml\n(.*?)```", README, re.DOTALL)
     assert example
-    checks.require(case.load(tomllib.loads(example.group(1))))  # raises CaseError
+    checks.require(load(tomllib.loads(example.group(1))))  # raises CaseError
 
 
 def test_the_readme_names_every_command_and_case():

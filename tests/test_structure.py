@@ -15,12 +15,13 @@ CORE = ROOT / "core"
 # stands; imports for type checking only do not count.
 LAYERS = (
     {"_core", "errors"},
-    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"},
-    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "waves"},
+    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"}
+    | {"case_errors", "case_files"},
+    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "tables", "waves"},
     {"flow", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},
     {"step"},
-    {"case_errors", "case_files", "case", "layout", "wave_checks", "checks", "laboratory"},
+    {"agreement", "case", "layout", "wave_checks", "checks", "laboratory"},
     {"simulation"},
     {"output"},
     {"analysis"},

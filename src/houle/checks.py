@@ -1,7 +1,7 @@
 """Pre-flight: does the case make sense as a whole? Every finding quotes both numbers compared and says what to change.
 
 An error stops the run (`require` raises CaseError), a warning is printed, an info is printed by `houle check` only. The
-models of `case.py` have looked at single keys already; here shapes are compared with the domain, with each other and
+models of `tables/` have looked at single keys already; here shapes are compared with the domain, with each other and
 with the grid. Sections are compared exactly, as polygons (shapely), layer by layer in y in 3D. To add a check, write a
 function that yields findings and add it to CHECKS.
 """

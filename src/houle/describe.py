@@ -1,7 +1,8 @@
 """What `houle describe TOPIC` prints: every choice the case file offers, in words, with its source.
 
 The texts are rows of tables, name -> (what it is, where it comes from); the numbers stand where they are used (SCHEMES
-in case.py, LAWS in resistance.py, FIELDS in fields.py). A test checks that every choice of the case file has its row.
+in tables/control.py, LAWS in resistance.py, FIELDS in fields.py). A test checks that every choice of the case file has
+its row.
 """
 
 from __future__ import annotations
@@ -127,7 +128,7 @@ def resistance(console: Console) -> None:
 
 def numerics(console: Console) -> None:
     """The two schemes key by key, then every choice."""
-    from houle.case import SCHEMES as VALUES
+    from houle.tables.control import SCHEMES as VALUES
 
     console.print(_rows("scheme", SCHEMES))
     keys = list(VALUES["houle"])

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import shapely
 
-from houle.case import WAVE_SHARE, Case
+from houle.case import Case
 from houle.checks import BYTES, expected_speed
 from houle.layout import Body, Section
 from houle.resistance import Passport, passport
+from houle.tables.control import WAVE_SHARE
 from houle.wave_checks import reach, wave_of
 
 MICROSECONDS = 1.0  # of one core per particle and step, everything on; `houle bench` measures yours

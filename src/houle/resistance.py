@@ -18,7 +18,7 @@ from math import inf, sqrt
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from houle.case import Fluid, Porous, Resistance
+    from houle.tables.tank import Fluid, Porous, Resistance
 
 Pair = tuple[float, float]
 REFERENCE_VELOCITY = 0.10  # Darcy velocity [m/s] at which the laws are compared

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from houle import _core
-from houle.case import WAVE_SHARE, Case, Porous
+from houle.case import Case
 from houle.errors import SimulationError
 from houle.flow import Flow
 from houle.frame import Frame
@@ -27,6 +27,8 @@ from houle.remeshing import Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.seeding import seed
 from houle.step import STEPS
+from houle.tables.control import WAVE_SHARE
+from houle.tables.tank import Porous
 from houle.transfer import make
 from houle.waves.makers import damping, make_maker
 from houle.waves.sponge import resist, way_length

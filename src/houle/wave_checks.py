@@ -16,11 +16,12 @@ import numpy as np
 import shapely
 
 from houle import geometry
-from houle.case import Case, Sponge
+from houle.case import Case
 from houle.case_errors import metres, place
 from houle.errors import CaseError
 from houle.grid import FloatArray
 from houle.layout import Finding, Section
+from houle.tables.tank import Sponge
 from houle.waves.check import assess
 from houle.waves.makers import oscillations, source_width
 from houle.waves.sponge import sides

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from houle.analysis import AnalysisError, choose_window
-from houle.case import Case, Sponge
+from houle.case import Case
 from houle.case_errors import place
 from houle.layout import Finding, Section
+from houle.tables.tank import Sponge
 from houle.wave_checks import reach, wave_of
 from houle.waves.check import assess
 from houle.waves.makers import damping, left_over, source_width

@@ -7,9 +7,10 @@ import sys
 import jsonschema
 import pytest
 
-from houle.case import SCHEMES, Case, load, schema
+from houle.case import Case, load, schema
 from houle.case_files import find, parse_override, shipped
 from houle.errors import CaseError
+from houle.tables.control import SCHEMES
 
 if sys.version_info >= (3, 11):
     import tomllib

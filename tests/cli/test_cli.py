@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import houle
-from houle.case import SCHEMES, Numerics, load
+from houle.case import load
 from houle.case_files import shipped
 from houle.checks import require
 from houle.cli import app
@@ -19,6 +19,7 @@ from houle.describe import KERNELS, REMESHING, TOPICS, TRANSFERS
 from houle.describe import SCHEMES as WORDS
 from houle.errors import CaseError, SimulationError
 from houle.resistance import LAWS
+from houle.tables.control import SCHEMES, Numerics
 
 
 @pytest.fixture

@@ -34,7 +34,7 @@ def levels_at(flow: Flow, places: list[tuple[float, ...]]) -> FloatArray:
 
 
 class Observers:
-    """Everything a case observes, placed in its flow. `case` has .gauge, .sensor, .runup, ... as in case.py."""
+    """Everything a case observes, placed in its flow. `case` has .gauge, .sensor, .runup, ... as in tables/."""
 
     def __init__(self, case: Any, flow: Flow) -> None:
         self.case, self.flow, grid = case, flow, flow.grid

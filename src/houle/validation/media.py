@@ -10,7 +10,7 @@ from houle.resistance import coefficients, inertia_coefficient
 from houle.validation.exact import PorousMedium
 
 if TYPE_CHECKING:
-    from houle.case import Fluid, Porous
+    from houle.tables.tank import Fluid, Porous
 
 
 def medium(body: Porous, fluid: Fluid) -> PorousMedium:

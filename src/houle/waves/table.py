@@ -1,17 +1,18 @@
 """The table [waves] of a case file, and the wave it stands for.
 
 Keys of a kind that does not use them are errors. Every message of the models starts with the key it is about, as in
-case.py; `case_errors.explain` puts the table's name before it.
+tables/; `case_errors.explain` puts the table's name before it.
 """
 
 from __future__ import annotations
 
 from math import radians
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from houle.tables.base import Point2, Table
 from houle.waves import record, spectra, theories
 from houle.waves.cnoidal import solitary
 from houle.waves.dispersion import GRAVITY
@@ -21,7 +22,6 @@ Kind = Literal["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "fo
 Theory = Literal[
     "auto", "airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal", "solitary-3", "solitary-5"
 ]
-Pair = Annotated[tuple[float, float], Field(strict=False)]
 
 NEEDS: dict[str, tuple[str, ...]] = {
     "regular": ("height", "period"),
@@ -44,12 +44,6 @@ TAKES: dict[str, tuple[str, ...]] = {
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "focus")  # what only some kinds take
 MAKERS = ("source", "zone")
 ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
-
-
-class Table(BaseModel):
-    """As in case.py: nothing unknown, nothing converted, nothing infinite, nothing changed later."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class Focus(Table):
@@ -77,7 +71,7 @@ class Source(Table):
 class Zone(Table):
     """waves.zone: relaxation zone, the flow is led towards the wave between x[0] and x[1]."""
 
-    x: Pair = Field(description="from, to; the wave is complete at the first, free at the second [m]")
+    x: Point2 = Field(description="from, to; the wave is complete at the first, free at the second [m]")
 
     @model_validator(mode="after")
     def runs_to_the_right(self) -> Zone:
