@@ -15,8 +15,7 @@ CORE = ROOT / "core"
 # stands; imports for type checking only do not count.
 LAYERS = (
     {"_core", "errors"},
-    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"}
-    | {"case_errors", "case_files"},
+    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
     {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "tables", "waves"},
     {"flow", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},
