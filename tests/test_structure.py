@@ -17,7 +17,7 @@ LAYERS = (
     {"_core", "errors"},
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
     {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "tables", "waves"},
-    {"flow", "transfer", "ledger"},
+    {"flow", "driven", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},
     {"step"},
     {"agreement", "case", "layout", "wave_checks", "checks", "laboratory"},

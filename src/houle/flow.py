@@ -9,6 +9,7 @@ import numpy as np
 
 from houle import _core
 from houle.columns import Capacity
+from houle.driven import Driven
 from houle.geometry import Box
 from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
@@ -79,6 +80,7 @@ class Flow:
         self.time = 0.0  # of the positions [s]
         self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
         self.makers: list[Maker] = []  # of waves
+        self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.push: Faces = []  # their accelerations [m/s2]
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
         self.linear = medium.darcy  # that with the structure's [1/s]

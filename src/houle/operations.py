@@ -137,6 +137,8 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     _core.pressure_system(
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.velocity, LEAST_DEPTH, *system
     )
+    for plane in flow.driven:
+        plane.feed(flow)
     flow.solver.setup(flow.active, flow.coefficient, flow.dirichlet)
     iterations, residual = flow.solver.solve(flow.rhs, flow.pressure, tolerance, 200)[:2]
     ledger.note(pressure_iterations=iterations, divergence=residual * dt)
@@ -152,12 +154,14 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_DEPTH,
         flow.velocity, flow.valid,
     )  # fmt: skip
+    for plane in flow.driven:
+        plane.impose(flow)
     _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
-    _book_works(flow, ledger)
+    _book_works(flow, dt, ledger)
 
 
-def _book_works(flow: Flow, ledger: Ledger) -> None:
+def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
     """What drag and sponges took in this step, and what the wave makers gave."""
     inertia, old, new = flow.medium.inertia, flow.old_velocity, flow.velocity
     if flow.porous or flow.damping:
@@ -172,6 +176,7 @@ def _book_works(flow: Flow, ledger: Ledger) -> None:
     if flow.push:
         each = zip(flow.face_mass, inertia, flow.mobility, flow.push, old, new, strict=True)
         ledger.source_work += sum(float(np.sum(m * j * k * f * (u0 + u1))) for m, j, k, f, u0, u1 in each) / 2
+    ledger.source_work += dt * sum(plane.power(flow) for plane in flow.driven)
 
 
 def move(flow: Flow, dt: float) -> None:
