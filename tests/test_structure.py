@@ -16,7 +16,7 @@ CORE = ROOT / "core"
 LAYERS = (
     {"_core", "errors"},
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
-    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "tables", "waves"},
+    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "workspace", "tables", "waves"},
     {"flow", "driven", "transfer", "ledger"},
     {"operations", "remeshing", "observe"},
     {"step"},

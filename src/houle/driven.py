@@ -17,7 +17,7 @@ class Driven(Protocol):
     """What `operations.project` asks of each entry of `flow.driven`, in this order."""
 
     def feed(self, flow: Flow) -> None:
-        """After the pressure system: adds the flux through its faces into the cells, flow.rhs [1/s]."""
+        """After the pressure system: adds the flux through its faces into the cells, flow.work.rhs [1/s]."""
 
     def impose(self, flow: Flow) -> None:
         """After the pressure gradient was taken off: sets the velocity of its faces and marks them valid."""
@@ -48,12 +48,12 @@ class DrivenFaces:
     def feed(self, flow: Flow) -> None:
         layer = self.cells(flow)
         inflow = self.water * np.asarray(self.velocity, float)
-        flow.rhs[layer] += flow.active[layer] * inflow / flow.grid.spacing[self.axis]
+        flow.work.rhs[layer] += flow.active[layer] * inflow / flow.grid.spacing[self.axis]
 
     def impose(self, flow: Flow) -> None:
         plane = _plane(self.axis, self.face, flow.grid.dimension)
         flow.velocity[self.axis][plane] = self.velocity
-        flow.valid[self.axis][plane] = 1
+        flow.work.valid[self.axis][plane] = 1
 
     def power(self, flow: Flow) -> float:
         layer, grid = self.cells(flow), flow.grid

@@ -1,4 +1,4 @@
-"""The state one time step works on: particles, fields on the grid, and the work space that is allocated once."""
+"""The state one time step works on: particles and fields on the grid; what it only works with is in workspace.py."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from houle.porous import Medium
 from houle.seeding import seed
 from houle.viscosity import Smoothing
 from houle.waves.makers import Maker
+from houle.workspace import Workspace
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 
@@ -60,21 +61,13 @@ class Flow:
         self.mixed = Capacity.of(grid, medium)  # of the columns with interfaces or solids
         self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN
         self.velocity = g.faces()  # Darcy velocity [m/s]
-        self.face_mass = g.faces()  # bulk volume that each face carries [m^d]
-        self.face_work = g.faces()
+        self.old_velocity = g.faces()  # before the forces; until then the transfer and the viscosity work in it
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
-        self.mobility = g.faces()  # factor of grad p in the projection [s]
-        self.valid = [np.zeros(g.face_shape(a), np.uint8) for a in range(g.dimension)]
         self.resisted: Faces = []  # share of the old velocity that the drag takes, where there is any
-        self.old_velocity = g.faces()
-        self.acceleration = g.faces()
         self.nu = g.cells(viscosity)  # kinematic viscosity with the eddies' [m2/s]
         self.pressure = g.cells()  # p / rho [m2/s2]
         self.psi = g.cells()  # potential of the position correction [m2]
-        self.extra: Faces = []  # further accelerations on the faces [m/s2]; empty: none
-        self.coefficient = self.face_work  # of a pressure system; the solver copies it
-        self.dirichlet = g.cells()
-        self.rhs = g.cells()
+        self.extra: Faces = []  # further accelerations on the faces [m/s2], for the next forces; empty: none
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
@@ -84,18 +77,11 @@ class Flow:
         self.push: Faces = []  # their accelerations [m/s2]
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
         self.linear = medium.darcy  # that with the structure's [1/s]
-        self.open_faces = [medium.open_faces[0].copy(), *medium.open_faces[1:]]  # less what gates close, all across x
+        self.open_faces = medium.open_faces  # replaced by copies where gates close some
 
-        solver = _core.PressureSolver2 if g.dimension == 2 else _core.PressureSolver3
-        self.solver = solver(g.core)
         self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
         self.measure_capacity()
         self.refresh_particles()
-
-    @cached_property
-    def mass_matrix(self) -> _core.MassMatrix2 | _core.MassMatrix3:
-        """Work space of the full-mass-matrix transfer."""
-        return (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)
 
     @property
     def viscous(self) -> bool:
@@ -131,14 +117,17 @@ class Flow:
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
     def refresh_particles(self) -> None:
-        """Work space for the present number of particles."""
-        n, d = self.particles.position.shape
-        self.cell, self.order = np.zeros(n, np.int32), np.zeros(n, np.int32)
-        self.spare = {(n, d): np.empty((n, d)), (n,): np.empty(n)}  # where an array goes when it is sorted
+        """Arrays for the present number of particles, and a new work space."""
+        n = len(self.particles)
+        self.drop_work()
         self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
         self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
         self.inertia: FloatArray | None = np.ones(n) if self.porous else None
+
+    def drop_work(self) -> None:
+        """Empties the work space."""
+        self.work = Workspace(self.grid, len(self.particles))
 
     def sample_medium(self) -> None:
         """Porosity, bulk volume and inertia at the present positions."""
@@ -147,7 +136,7 @@ class Flow:
             cells = (self.medium.porosity, self.cell_inertia)
             _core.sample_medium(core, p.position, p.volume, *cells, self.porosity, self.bulk, self.inertia)
         else:
-            self.bulk = p.volume
+            self.bulk[...] = p.volume
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 
@@ -170,8 +159,8 @@ class Flow:
     def velocity_change(self) -> Faces:
         """What forces and pressure added to each face, for FLIP: new - drag * old, carried outwards like velocities."""
         change = [n - d * o for n, d, o in zip(self.velocity, self.drag, self.old_velocity, strict=True)]
-        known = [(v == 1).astype(np.uint8) for v in self.valid]
-        _core.extrapolate(self.grid.core, 6, 2, self.face_mass, SPRAY * self.grid.cell_volume, change, known)
+        known = [(v == 1).astype(np.uint8) for v in self.work.valid]
+        _core.extrapolate(self.grid.core, 6, 2, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
         return change
 
     def kinetic_energy(self) -> float:
@@ -179,9 +168,8 @@ class Flow:
 
     def grid_kinetic_energy(self) -> float:
         inertia = self.medium.inertia if self.porous else [None] * self.grid.dimension
-        return sum(
-            _core.face_kinetic_energy(m, j, u) for m, j, u in zip(self.face_mass, inertia, self.velocity, strict=True)
-        )
+        parts = zip(self.work.face_mass, inertia, self.velocity, strict=True)
+        return sum(_core.face_kinetic_energy(*part) for part in parts)
 
     def potential_energy(self) -> float:
         d = self.grid.dimension

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.errors import SimulationError
@@ -19,17 +20,22 @@ MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
-    p = flow.particles
-    _core.cell_sort(flow.grid.core, p.position, flow.cell, flow.order, flow.start)
-    for name in ("position", "velocity", "volume"):
-        values = getattr(p, name)
-        ordered, flow.spare[values.shape] = flow.spare[values.shape], values
-        _core.permute(flow.order, values, ordered)
-        setattr(p, name, ordered)
+    p, work = flow.particles, flow.work
+    cell = work.spare.ravel().view(np.int32)[: len(p)]  # only until the rows are moved
+    _core.cell_sort(flow.grid.core, p.position, cell, work.order, flow.start)
+    p.position, work.spare = _permuted(work.order, p.position, work.spare)
+    p.velocity, work.spare = _permuted(work.order, p.velocity, work.spare)
+    p.volume, flow.bulk = _permuted(work.order, p.volume, flow.bulk)
     for name, values in transfer.arrays.items():
-        transfer.arrays[name] = values[flow.order]
+        transfer.arrays[name] = values[work.order]
     flow.sample_medium()
-    return tuple(values[flow.order] for values in more)
+    return tuple(values[work.order] for values in more)
+
+
+def _permuted(order: NDArray[np.int32], values: FloatArray, spare: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The values in that order, in the spare array; and their old array, to spare from now on."""
+    _core.permute(order, values, spare)
+    return spare, values
 
 
 def arrange(flow: Flow, transfer: Transfer) -> None:
@@ -73,12 +79,12 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     core, m = flow.grid.core, flow.medium
     if flow.smagorinsky > 0.0:
         _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
-    flow.extra = flow.acceleration
+    flow.extra = flow.old_velocity
     _core.viscous_acceleration(
-        core, flow.velocity, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.nu,
+        core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.nu,
         m.porosity if flow.porous else None, flow.no_slip, flow.extra,
     )  # fmt: skip
-    parts = zip(flow.face_mass, flow.velocity, flow.extra, strict=True)
+    parts = zip(flow.work.face_mass, flow.velocity, flow.extra, strict=True)
     ledger.viscous_work -= dt * sum(float(np.sum(m_f * u * f)) for m_f, u, f in parts)  # no BLAS: its threads spin
 
 
@@ -108,11 +114,9 @@ def make_waves(flow: Flow) -> None:
         f[...] = 0.0
     for maker in flow.makers:
         maker.push(flow.time, flow.push)
-    if not flow.viscous:
-        flow.extra = flow.push
-    else:
-        for f, more in zip(flow.extra, flow.push, strict=True):
-            f += more
+    for f, more in zip(flow.extra, flow.push, strict=False):
+        f += more
+    flow.extra = flow.extra or flow.push
 
 
 def apply_forces(flow: Flow, dt: float) -> None:
@@ -126,24 +130,26 @@ def apply_forces(flow: Flow, dt: float) -> None:
     flow.kick = dt
     _core.apply_forces(
         flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
-        flow.velocity, flow.drag, flow.mobility, flow.resisted,
+        flow.velocity, flow.drag, flow.work.mobility, flow.resisted,
     )  # fmt: skip
+    flow.extra = []
 
 
 def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     """Pressure that makes div u_d = 0 in the water with p = 0 on its surface; velocity carried on into the air."""
     core, tolerance = flow.grid.core, flow.tolerance / dt
-    system = (flow.coefficient, flow.dirichlet, flow.rhs)
+    work = flow.work
+    system = (work.coefficient, work.dirichlet, work.rhs)
     _core.pressure_system(
-        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.velocity, LEAST_DEPTH, *system
+        core, flow.active, flow.depth, flow.open_faces, flow.work.mobility, flow.velocity, LEAST_DEPTH, *system
     )
     for plane in flow.driven:
         plane.feed(flow)
-    flow.solver.setup(flow.active, flow.coefficient, flow.dirichlet)
-    iterations, residual = flow.solver.solve(flow.rhs, flow.pressure, tolerance, 200)[:2]
+    work.solver.setup(flow.active, work.coefficient, work.dirichlet)
+    iterations, residual = work.solver.solve(work.rhs, flow.pressure, tolerance, 200)
     ledger.note(pressure_iterations=iterations, divergence=residual * dt)
     if not residual <= tolerance:
-        place = np.unravel_index(np.nanargmax(np.abs(flow.rhs)), flow.grid.shape)
+        place = np.unravel_index(np.nanargmax(np.abs(work.rhs)), flow.grid.shape)
         raise SimulationError(
             f"the pressure did not converge: max |div u_d| dt = {residual * dt:.2e}, wanted {flow.tolerance:.2e}",
             place=tuple((i + 0.5) * h for i, h in zip(place, flow.grid.spacing, strict=True)),
@@ -151,12 +157,12 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
             "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
-        core, flow.active, flow.depth, flow.open_faces, flow.mobility, flow.pressure, LEAST_DEPTH,
-        flow.velocity, flow.valid,
+        core, flow.active, flow.depth, flow.open_faces, flow.work.mobility, flow.pressure, LEAST_DEPTH,
+        flow.velocity, work.valid,
     )  # fmt: skip
     for plane in flow.driven:
         plane.impose(flow)
-    _core.extrapolate(core, 6, 2, flow.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, flow.valid)
+    _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
     _book_works(flow, dt, ledger)
 
@@ -165,16 +171,16 @@ def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
     """What drag and sponges took in this step, and what the wave makers gave."""
     inertia, old, new = flow.medium.inertia, flow.old_velocity, flow.velocity
     if flow.porous or flow.damping:
-        parts = zip(flow.face_mass, inertia, flow.resisted, old, new, strict=True)
+        parts = zip(flow.work.face_mass, inertia, flow.resisted, old, new, strict=True)
         ledger.drag_work += sum(_core.face_drag_work(*part) for part in parts)
     if flow.damping:
-        share = [k * s for k, s in zip(flow.mobility, flow.damping, strict=True)]
-        parts = zip(flow.face_mass, inertia, share, old, new, strict=True)
+        share = [k * s for k, s in zip(flow.work.mobility, flow.damping, strict=True)]
+        parts = zip(flow.work.face_mass, inertia, share, old, new, strict=True)
         sponge = sum(_core.face_drag_work(*part) for part in parts)
         ledger.sponge_work += sponge
         ledger.drag_work -= sponge
     if flow.push:
-        each = zip(flow.face_mass, inertia, flow.mobility, flow.push, old, new, strict=True)
+        each = zip(flow.work.face_mass, inertia, flow.work.mobility, flow.push, old, new, strict=True)
         ledger.source_work += sum(float(np.sum(m * j * k * f * (u0 + u1))) for m, j, k, f, u0, u1 in each) / 2
     ledger.source_work += dt * sum(plane.power(flow) for plane in flow.driven)
 
@@ -206,25 +212,26 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     """
     if share == 0.0:
         return
-    g, m = flow.grid, flow.medium
+    g, m, work = flow.grid, flow.medium, flow.work
     porosity = m.porosity if flow.porous else None
     find_surface(flow)
     _core.pressure_system(
         g.core, flow.active, flow.depth, flow.open_faces, [], [], LEAST_DEPTH_CORRECTION,
-        flow.coefficient, flow.dirichlet, flow.rhs,
+        work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
     _core.density_excess(
-        g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, flow.rhs
+        g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, work.rhs
     )
-    flow.solver.setup(flow.active, flow.coefficient, flow.dirichlet)
-    largest = float(np.abs(flow.rhs).max())
-    iterations = flow.solver.solve(flow.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
+    work.solver.setup(flow.active, work.coefficient, work.dirichlet)
+    largest = float(max(work.rhs.max(), -work.rhs.min()))
+    iterations = work.solver.solve(work.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
     ledger.note(correction_iterations=iterations)
-    for f in flow.face_work:
+    displacement = work.mobility
+    for f in displacement:
         f[...] = 0.0
     _core.project(
         g.core, flow.active, flow.depth, flow.open_faces, [], flow.psi, LEAST_DEPTH_CORRECTION,
-        flow.face_work, flow.valid,
+        displacement, work.valid,
     )  # fmt: skip
-    _core.extrapolate(g.core, 3, 3, [], 0.0, flow.face_work, flow.valid)
-    _core.displace(g.core, flow.face_work, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position)
+    _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
+    _core.displace(g.core, displacement, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position)

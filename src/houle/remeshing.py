@@ -23,6 +23,7 @@ class Remeshing:
             return
         self.count, self.travelled = 0, 0.0
         flow.sample_medium()
+        flow.drop_work()
         flow.particles = self.remesher(flow.particles, flow.porosity)
         flow.refresh_particles()
         flow.sample_medium()

@@ -134,15 +134,14 @@ class Simulation:
         if not gates:
             return
         h, up = self.grid.spacing, self.grid.dimension - 1
-        flow.open_faces[0][...] = self.medium.open_faces[0]
-        rows = []
+        across, rows = self.medium.open_faces[0].copy(), []
         for gate in gates:
             face = round(gate.x / h[0])
             bottom = max(0.0, (self.time - gate.start) * gate.speed)
             free = np.clip(bottom / h[up] - np.arange(self.grid.shape[up]), 0.0, 1.0)
-            flow.open_faces[0][face] *= np.where(free > 1e-3, free, 0.0)
+            across[face] *= np.where(free > 1e-3, free, 0.0)
             rows.append((face * h[0], bottom))
-        flow.gates = np.array(rows)
+        flow.open_faces, flow.gates = [across, *self.medium.open_faces[1:]], np.array(rows)
 
     def _check(self) -> None:
         """Stops a run that is no longer a flow."""

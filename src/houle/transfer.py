@@ -1,7 +1,7 @@
 """Particle <-> grid transfers. To add one: copy the shortest class, change its two methods, add a line to `make`.
 
 Each strategy has
-    to_grid(flow)              particle velocities -> flow.velocity and flow.face_mass
+    to_grid(flow)              particle velocities -> flow.velocity and flow.work.face_mass
     to_particles(flow)         flow.velocity -> particle velocities, at the positions of to_grid
     renew(flow)                after the particles were replaced by new ones
 and may carry per-particle state in `arrays` (sorted, remeshed and saved with the particles).
@@ -43,7 +43,7 @@ class Pic:
         self.arrays: dict[str, FloatArray] = {}
 
     def to_grid(self, flow: Flow) -> None:
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.face_mass)
+        _core.to_faces(*_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.work.face_mass)
 
     def to_particles(self, flow: Flow) -> None:
         _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, flow.particles.velocity)
@@ -68,12 +68,13 @@ class Fmpm(Pic):
     def to_grid(self, flow: Flow) -> None:
         p = flow.particles
         if flow.kernel == "linear":
-            faces = (flow.velocity, flow.face_mass, flow.face_work)
-            flow.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *faces)
+            faces = (flow.velocity, flow.work.face_mass, flow.old_velocity)
+            flow.work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *faces)
             return
         super().to_grid(flow)
         for _ in range(1, self.order):
-            _core.add_residual(*_cloud(flow), flow.particles.velocity, flow.face_mass, flow.velocity, flow.face_work)
+            faces = (flow.work.face_mass, flow.velocity, flow.old_velocity)
+            _core.add_residual(*_cloud(flow), p.velocity, *faces)
 
 
 class Flip(Pic):
@@ -101,7 +102,8 @@ class Apic(Pic):
         n, d = flow.particles.position.shape
         if "affine" not in self.arrays:
             self.arrays["affine"] = np.zeros((n, d, d))
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], flow.velocity, flow.face_mass)
+        faces = (flow.velocity, flow.work.face_mass)
+        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], *faces)
 
     def to_particles(self, flow: Flow) -> None:
         super().to_particles(flow)

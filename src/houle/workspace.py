@@ -1,0 +1,71 @@
+"""Arrays that a time step needs only while it lasts.
+
+Each is made when it is first asked for. Nothing in them is meant for the next step: remeshing, which needs memory of
+its own, drops them all, and the next step makes them anew.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from houle import _core
+from houle.grid import Faces, FloatArray, Grid
+
+
+class Workspace:
+    """For `particles` particles on a grid."""
+
+    def __init__(self, grid: Grid, particles: int) -> None:
+        self.grid, self.particles = grid, particles
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Of the particles, when they are sorted (N,)."""
+        return np.zeros(self.particles, np.int32)
+
+    @cached_property
+    def spare(self) -> FloatArray:
+        """(N, d), where the rows of an array go when they are sorted."""
+        return np.empty((self.particles, self.grid.dimension))
+
+    @cached_property
+    def face_mass(self) -> Faces:
+        """Bulk volume that each face carries [m^d]; from the transfer to the grid to that back."""
+        return self.grid.faces()
+
+    @cached_property
+    def mobility(self) -> Faces:
+        """Factor of grad p in the projection [s]; then the displacement of the position correction [m]."""
+        return self.grid.faces()
+
+    @cached_property
+    def coefficient(self) -> Faces:
+        """Of a pressure system; the solver copies it."""
+        return self.grid.faces()
+
+    @cached_property
+    def dirichlet(self) -> FloatArray:
+        """Of the cells beside air in a pressure system."""
+        return self.grid.cells()
+
+    @cached_property
+    def rhs(self) -> FloatArray:
+        """Of a pressure system."""
+        return self.grid.cells()
+
+    @cached_property
+    def valid(self) -> list[np.ndarray]:
+        """Whether the velocity of a face is known, and from which layer (uint8)."""
+        return [np.zeros(self.grid.face_shape(a), np.uint8) for a in range(self.grid.dimension)]
+
+    @cached_property
+    def solver(self) -> _core.PressureSolver2 | _core.PressureSolver3:
+        """Of the pressure and of the position correction."""
+        return (_core.PressureSolver2 if self.grid.dimension == 2 else _core.PressureSolver3)(self.grid.core)
+
+    @cached_property
+    def mass_matrix(self) -> _core.MassMatrix2 | _core.MassMatrix3:
+        """Of the full-mass-matrix transfer."""
+        return (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)
