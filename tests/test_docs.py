@@ -10,7 +10,7 @@ from houle import checks, fields
 from houle.case import Case, load
 from houle.case_files import shipped, tomllib
 from houle.cli import app
-from houle.tables import control, observed, results, tank
+from houle.tables import control, observed, results, sides, tank
 from houle.waves.table import Focus, Source, Waves, Zone
 
 ROOT = Path(__file__).parent.parent
@@ -21,7 +21,7 @@ CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 
 TABLES = {
     "case": tank.Head, "domain": tank.Domain, "fluid": tank.Fluid, "water": tank.Water, "porous": tank.Porous,
-    "solid": tank.Solid, "gate": tank.Gate, "waves": Waves, "sponge": tank.Sponge, "gauge": observed.Gauge,
+    "solid": tank.Solid, "gate": tank.Gate, "open": sides.Open, "waves": Waves, "sponge": tank.Sponge, "gauge": observed.Gauge,
     "sensor": observed.Sensor, "runup": observed.RunUp, "overtopping": observed.Overtopping, "force": observed.Force,
     "phreatic": observed.Phreatic, "flux": observed.Flux, "time": control.Time, "numerics": control.Numerics,
     "output": control.Output, "reflection": results.Reflection, "reference": results.Reference,

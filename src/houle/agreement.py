@@ -38,6 +38,11 @@ def disagreements(case: Case) -> list[str]:
             if (row.y is None) == (d == 3):
                 place = case_errors.place((key, i, "y"), case.__dict__)
                 found.append(f"{place} is {'missing in 3D: add y [m]' if d == 3 else 'given in 2D: remove it'}")
+    for i, water in enumerate(case.water):
+        if water.velocity is not None and len(water.velocity) != d:
+            found.append(f"water[{i}].velocity has {len(water.velocity)} numbers, domain.size has {d}: give {d}")
+    if len({row.side for row in case.open}) < len(case.open):
+        found.append(f'open: the side "{case.open[0].side}" is given twice; put both into one table')
     found += _unknown_bodies(case)
     for i, force in enumerate(case.force):
         place = case_errors.place(("force", i), case.__dict__)

@@ -23,6 +23,7 @@ from houle.tables.base import Table
 from houle.tables.control import SCHEMES, Numerics, Output, Time
 from houle.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic, RunUp, Sensor
 from houle.tables.results import Reference, Reflection
+from houle.tables.sides import Open
 from houle.tables.tank import Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
 from houle.waves.table import Waves
 
@@ -38,6 +39,7 @@ class Case(Table):
     ]
     porous: Annotated[tuple[Porous, ...], Field(strict=False, description="porous bodies")] = ()
     solid: Annotated[tuple[Solid, ...], Field(strict=False, description="impermeable bodies")] = ()
+    open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
     gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
     waves: Waves | None = None
     sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()

@@ -13,6 +13,7 @@ from houle import preflight, wave_report
 from houle.case import Case
 from houle.checks import require
 from houle.layout import axes
+from houle.open_checks import open_rows
 from houle.resistance import REFERENCE_VELOCITY, Passport
 
 
@@ -26,7 +27,12 @@ def show(case: Case, picture: Path, threads: int | None = None, console: Console
         colour = "yellow" if finding.level == "warning" else "cyan"
         console.print(f"[{colour}]{finding.level}[/] {escape(str(finding))}", soft_wrap=True)
     console.print(_grid(case), soft_wrap=True)
-    for name, rows in (("waves", wave_report.wave_rows(case)), ("sponges", wave_report.sponge_rows(case))):
+    tables = (
+        ("waves", wave_report.wave_rows(case)),
+        ("sponges", wave_report.sponge_rows(case)),
+        ("open sides", open_rows(case)),
+    )
+    for name, rows in tables:
         if rows:
             console.print(_rows(name, rows))
     for body in preflight.passports(case):

@@ -10,6 +10,15 @@ from numpy.typing import NDArray
 from houle.errors import CaseError
 
 
+def header(file: Path, key: str, error: type[CaseError] = CaseError) -> list[str]:
+    """The names of the columns. Raises `error` when the file, named by `key` of the case file, cannot be read."""
+    try:
+        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
+    except OSError as problem:
+        raise error(f"{key} = {file} cannot be read: {problem.strerror}") from None
+    return [name.strip() for name in lines[0].split(",")] if lines else []
+
+
 def read_columns(
     file: Path, columns: tuple[str, ...], key: str, error: type[CaseError] = CaseError
 ) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:

@@ -45,6 +45,7 @@ _OPERATIONS = {
     "projection": "the pressure projection, the implicit porous drag included",
     "transfer": "the transfers between particles and grid",
     "advection": "moving the particles",
+    "exchange": "the water that came in through open sides, less what went out",
     "correction": "the position correction",
     "remeshing": "remeshing",
 }
@@ -132,8 +133,14 @@ FIELDS: tuple[Field, ...] = (
     Field("time", "t", "s", "run", "simulated time"),
     Field("volume", "V", "m3", "run", "water volume carried by the particles", unit_2d="m2"),
     Field(
-        "volume_drift", r"\Delta V/V_0", "1", "run", "change of the water volume since the start, over the first volume"
+        "volume_drift",
+        r"\Delta V/V_0",
+        "1",
+        "run",
+        "change of the water volume since the start that is not inflow or outflow, over the first volume and the inflow",
     ),
+    Field("inflow", "V_{in}", "m3", "run", "volume come in through open sides since the start", unit_2d="m2"),
+    Field("outflow", "V_{out}", "m3", "run", "volume gone out through open sides since the start", unit_2d="m2"),
     Field("mean_level", r"\bar\eta", "m", "run", "water under the free surface, in its pores, over the plan area"),
     *(
         Field(
@@ -149,6 +156,9 @@ FIELDS: tuple[Field, ...] = (
         "sponge_work", "W_s", "J", "run", "energy lost to sponges and relaxation zones since the start", unit_2d="J m-1"
     ),
     Field("source_work", "W_w", "J", "run", "energy given by the wave makers since the start", unit_2d="J m-1"),
+    Field(
+        "open_work", "W_o", "J", "run", "work of the pressure at open sides since the start", unit_2d="J m-1"
+    ),
     *(
         Field(
             f"energy_{name}",

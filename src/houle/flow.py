@@ -15,6 +15,7 @@ from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.seeding import seed
+from houle.sides import OpenSide
 from houle.viscosity import Smoothing
 from houle.waves.makers import Maker
 from houle.workspace import Workspace
@@ -72,6 +73,7 @@ class Flow:
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
         self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
+        self.sides: list[OpenSide] = []  # through which water comes and goes; also among the driven
         self.makers: list[Maker] = []  # of waves
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.push: Faces = []  # their accelerations [m/s2]

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from houle.flow import Flow
 
-WORKS = ("drag_work", "viscous_work", "sponge_work", "source_work")
-OPERATIONS = ("forces", "projection", "transfer", "advection", "correction", "remeshing")
+WORKS = ("drag_work", "viscous_work", "sponge_work", "source_work", "open_work")
+OPERATIONS = ("forces", "projection", "transfer", "advection", "exchange", "correction", "remeshing")
 
 
 class Ledger:
@@ -32,6 +32,7 @@ class Ledger:
         self.viscous_work = 0.0
         self.sponge_work = 0.0  # taken by sponges and relaxation zones
         self.source_work = 0.0  # given by wave makers
+        self.open_work = 0.0  # of the pressure at open sides
         self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
         self.on_grid = False
 
@@ -60,7 +61,7 @@ class Ledger:
             kinetic = flow.grid_kinetic_energy() if self.on_grid else flow.kinetic_energy()
         else:
             potential = flow.potential_energy()
-            if name == "remeshing":
+            if name in ("exchange", "remeshing"):
                 kinetic = flow.kinetic_energy()
         self.energy[name] += kinetic + potential - self.kinetic - self.potential
         self.kinetic, self.potential = kinetic, potential
@@ -75,6 +76,21 @@ class Ledger:
         kinetic = self.flow.kinetic_energy()
         self.energy["advection"] += kinetic - self.kinetic
         self.kinetic = kinetic
+
+    @property
+    def inflow(self) -> float:
+        """Volume that has come in through open sides [m^d]."""
+        return sum(side.came for side in self.flow.sides)
+
+    @property
+    def outflow(self) -> float:
+        """Volume that has gone out through open sides [m^d]."""
+        return sum(side.went for side in self.flow.sides)
+
+    def volume_drift(self) -> float:
+        """Water that is there and should not be, as a share of what there was and what came [-]."""
+        held = self.volume0 + self.inflow
+        return (self.flow.particles.total_volume + self.outflow - held) / held if held > 0 else 0.0
 
     def note(self, **values: float) -> None:
         self.notes.update(values)

@@ -10,6 +10,7 @@ from houle.errors import SimulationError
 from houle.flow import SPRAY, Flow
 from houle.grid import FloatArray
 from houle.ledger import Ledger
+from houle.sides import OpenSide
 from houle.transfer import Transfer
 
 LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
@@ -49,11 +50,15 @@ def prepare(flow: Flow, transfer: Transfer, ledger: Ledger) -> None:
     dt = 1e-3 * float(min(flow.grid.spacing)) ** 0.5  # s; the pressure does not depend on it
     arrange(flow, transfer)
     transfer.to_grid(flow)
+    for side in flow.sides:
+        side.rest(flow)
     apply_forces(flow, dt)
     project(flow, dt, ledger)
     for u in flow.velocity:
         u[...] = 0.0
-    ledger.drag_work = 0.0
+    if flow.particles.velocity.any():
+        transfer.to_grid(flow)
+    ledger.drag_work = ledger.open_work = 0.0
 
 
 def find_surface(flow: Flow) -> None:
@@ -119,6 +124,12 @@ def make_waves(flow: Flow) -> None:
     flow.extra = flow.extra or flow.push
 
 
+def drive(flow: Flow, dt: float) -> None:
+    """Velocities of the open sides in the middle of a step of dt [s] that begins now."""
+    for side in flow.sides:
+        side.drive(flow, dt)
+
+
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
@@ -168,7 +179,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 
 def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
-    """What drag and sponges took in this step, and what the wave makers gave."""
+    """What drag and sponges took in this step, and what wave makers and open sides gave."""
     inertia, old, new = flow.medium.inertia, flow.old_velocity, flow.velocity
     if flow.porous or flow.damping:
         parts = zip(flow.work.face_mass, inertia, flow.resisted, old, new, strict=True)
@@ -182,7 +193,11 @@ def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
     if flow.push:
         each = zip(flow.work.face_mass, inertia, flow.work.mobility, flow.push, old, new, strict=True)
         ledger.source_work += sum(float(np.sum(m * j * k * f * (u0 + u1))) for m, j, k, f, u0, u1 in each) / 2
-    ledger.source_work += dt * sum(plane.power(flow) for plane in flow.driven)
+    for plane in flow.driven:
+        if isinstance(plane, OpenSide):
+            ledger.open_work += dt * plane.power(flow)
+        else:
+            ledger.source_work += dt * plane.power(flow)
 
 
 def move(flow: Flow, dt: float) -> None:

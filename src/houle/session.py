@@ -16,6 +16,7 @@ from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from houle.bundle import as_failure, write_bundle
+from houle.ledger import WORKS
 from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
 from houle.progress import Silent
 from houle.recorder import Recorder, sample
@@ -167,15 +168,14 @@ class Session:
     def summarise(self, finished: bool, **more: Any) -> dict[str, Any]:
         """What run.json holds; `finished` once every file of the run is complete."""
         simulation, last = self.simulation, self.recorder.last.values
-        volume = simulation.particles.total_volume
-        budget = ("kinetic_energy", "potential_energy", "drag_work", "viscous_work", "sponge_work", "source_work")
+        budget = ("kinetic_energy", "potential_energy", *WORKS)
         return summarise(
             self.manifest,
             finished=finished,
             time=simulation.time,
             steps=simulation.steps,
             particles=len(simulation.particles),
-            volume_drift=volume / self.volume - 1.0 if self.volume > 0 else 0.0,
+            volume_drift=float(last["volume_drift"]),
             energy={k: float(v) for k, v in last.items() if k in budget or k.startswith("energy_")},
             **self.clock.read(simulation.timings),
             **more,

@@ -26,6 +26,7 @@ from houle.remesh import STRATEGIES
 from houle.remeshing import Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.seeding import seed
+from houle.sides import OpenSide
 from houle.step import STEPS
 from houle.tables.control import WAVE_SHARE
 from houle.tables.tank import Porous
@@ -47,6 +48,7 @@ class Simulation:
         bodies = [_porous_body(b, d, case.fluid.viscosity) for b in case.porous]
         self.medium = Medium.build(self.grid, bodies, [shape_of(s, d) for s in case.solid])
         water = seed(self.grid, self.medium, [shape_of(w, d) for w in case.water])
+        _set_off(case, water)
         self.flow = Flow(
             self.grid, self.medium, water, gravity=case.acceleration,
             kernel=numerics.kernel, tolerance=numerics.tolerance,
@@ -61,6 +63,8 @@ class Simulation:
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0
         self.wave = self._add_waves()
+        self.flow.sides = self._open_sides()
+        self.flow.driven = [*self.flow.sides]
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
         self.observers = Observers(case, self.flow)
@@ -89,6 +93,17 @@ class Simulation:
         if any(r.any() for r in rate):
             flow.damp(rate)
         return wave
+
+    def _open_sides(self) -> list[OpenSide]:
+        """Those of the case; the left one belongs to the wave that a relaxation zone makes."""
+        case, sides = self.case, []
+        for table in case.open:
+            faces = self.medium.open_faces[0]
+            side = OpenSide.of(table, case.folder, self.grid, faces, case.fluid.gravity, self.particles)
+            if case.waves is not None and case.waves.zone is not None and not side.far:
+                side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()
+            sides.append(side)
+        return sides
 
     # ---- marching ------------------------------------------------------------------------------------------------
 
@@ -156,7 +171,7 @@ class Simulation:
                 f"some water moves at {np.abs(p.velocity).max():.3g} m/s",
                 diagnosis="A few particles have a speed without physical cause; another transfer or kernel may not.",
             )
-        drift = p.total_volume / ledger.volume0 - 1.0
+        drift = ledger.volume_drift()
         if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":
             raise SimulationError(
                 f"water was lost: the volume has changed by {drift:.2e} of itself",
@@ -192,7 +207,7 @@ class Simulation:
         volume = p.total_volume
         row = {
             "volume": volume,
-            "volume_drift": volume / ledger.volume0 - 1.0 if ledger.volume0 > 0 else 0.0,
+            "volume_drift": ledger.volume_drift(),
             "mean_level": self._mean_level(),
             "kinetic_energy": rho * flow.kinetic_energy(),
             "potential_energy": rho * flow.potential_energy(),
@@ -200,6 +215,9 @@ class Simulation:
             "viscous_work": rho * ledger.viscous_work,
             "sponge_work": rho * ledger.sponge_work,
             "source_work": rho * ledger.source_work,
+            "open_work": rho * ledger.open_work,
+            "inflow": ledger.inflow,
+            "outflow": ledger.outflow,
             "max_speed": float(speed.max()),
             "courant": float(np.max(speed / self.grid.spacing)) * self.step_size,
             "step_size": self.step_size,
@@ -272,6 +290,7 @@ class Simulation:
             **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
             **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
             **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
+            **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
             **self.observers.state(),
         }
 
@@ -299,9 +318,19 @@ class Simulation:
                 ledger.notes[name] = float(value)
             elif kind == "transfer":
                 self.step.transfer.arrays[name] = np.array(value)
+        for i, side in enumerate(flow.sides):
+            side.state = state[f"open.{i}"]
         self.observers.restore(state)
         self._place_gates()
         arrange(flow, self.step.transfer)
+
+
+def _set_off(case: Case, water: Particles) -> None:
+    """Gives the first particles the velocities of the shapes they lie in."""
+    for entry in case.water:
+        if entry.velocity is not None:
+            inside = shape_of(entry, case.dimension).contains(water.position)
+            water.velocity[inside] = entry.velocity
 
 
 def _porous_body(entry: Porous, dimension: int, viscosity: float) -> PorousBody:

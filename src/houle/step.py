@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from houle.exchange import exchange
 from houle.flow import Flow
 from houle.ledger import Ledger
 from houle.operations import (
@@ -16,6 +17,7 @@ from houle.operations import (
     arrange,
     correct_positions,
     drift,
+    drive,
     find_surface,
     make_waves,
     move,
@@ -51,6 +53,7 @@ class Step:
         with ledger.operation("forces"):
             viscosity(flow, kick, ledger)  # (3), on the grid
             make_waves(flow)  # (4), (5)
+            drive(flow, dt)  # what flows through open sides
             apply_forces(flow, kick)  # (13), drag and Bernoulli term implicit
         with ledger.operation("projection"):
             project(flow, kick, ledger)  # (15), (16)
@@ -58,6 +61,8 @@ class Step:
             self.transfer.to_particles(flow)
         with ledger.operation("advection"):
             move(flow, dt)  # (17), with u_d / n
+        with ledger.operation("exchange"):
+            exchange(flow, self.transfer, dt, ledger)  # water that comes in and goes out
         with ledger.operation("correction"):
             courant = flow.courant(dt)
             correct_positions(flow, self.correction * rate(courant), ledger)  # (14) kept at 1, on the grid
@@ -95,6 +100,7 @@ class PaperStep:
             self.transfer.to_grid(flow)
         with ledger.operation("forces"):
             make_waves(flow)  # (4), (5)
+            drive(flow, dt)
             apply_forces(flow, dt)  # (13), drag implicit
         with ledger.operation("projection"):
             project(flow, dt, ledger)  # (15), (16)
@@ -103,6 +109,8 @@ class PaperStep:
         with ledger.operation("advection"):
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
             drift(flow, start, mean, None, dt)  # (17): r + dt (u + u')/2 / n
+        with ledger.operation("exchange"):
+            exchange(flow, self.transfer, dt, ledger)
         with ledger.operation("correction"):
             correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)
         with ledger.operation("remeshing"):

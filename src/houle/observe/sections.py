@@ -58,7 +58,7 @@ class Overtopping:
         self.volume, self.discharge = 0.0, 0.0
 
     def behind(self, flow: Flow) -> float:
-        """Water volume behind x [m^d]; the particles are sorted by cells, x first."""
+        """Water volume behind x, less what came in there through an open side [m^d]; the particles are sorted by cells, x first."""
         grid, p = flow.grid, flow.particles
         per_column = int(np.prod(grid.shape[1:]))
         i = int(self.x / grid.spacing[0])
@@ -66,7 +66,8 @@ class Overtopping:
         s = np.clip(self.sign * (p.position[near[0] : near[1], 0] - self.x) / grid.spacing[0], -1.0, 1.0)
         passed = np.where(s < 0.0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2)
         far = p.volume[near[1] :] if self.sign > 0 else p.volume[: near[0]]
-        return float(far.sum() + np.sum(p.volume[near[0] : near[1]] * passed))
+        through = sum(side.came - side.went for side in flow.sides if side.far == (self.sign > 0))
+        return float(far.sum() + np.sum(p.volume[near[0] : near[1]] * passed)) - through
 
     def after_step(self, flow: Flow, dt: float) -> None:
         """Books a step of dt [s]; the velocities are those of its middle."""

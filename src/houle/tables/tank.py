@@ -39,7 +39,7 @@ class Walls(Table):
         if not isinstance(value, str):
             return value
         if value not in ("slip", "no-slip"):
-            later = " (open sides belong to a later version)" if value == "open" else ""
+            later = ": an open side is a table [[open]], with its side" if value == "open" else ""
             raise ValueError(f'= "{value}" is not one of "slip", "no-slip", or a table of sides{later}')
         return dict.fromkeys(("left", "right", "front", "back", "bottom", "top"), value)
 
@@ -165,6 +165,10 @@ def _is_a_box(box: tuple[Point, Point]) -> None:
 
 class Water(Shape):
     """[[water]]: where water stands at the start. Inside a porous body it fills the pores."""
+
+    velocity: Point | None = Field(
+        default=None, description="Darcy velocity at the start, per axis; at rest when left out [m/s]"
+    )
 
 
 class Solid(Shape):

@@ -1,0 +1,233 @@
+"""Open sides of the tank: water comes in or goes out at a velocity, with a discharge, or towards a level outside.
+
+At every step each open side has one velocity into the tank for each of its faces. It enters the pressure system as a
+flux, and the faces keep it (driven.py); `exchange.py` lets in and takes out the very volume that it carries.
+
+    velocity, discharge    u_in = U(t), or q(t) over the wet depth
+    level                  u_in = U + sqrt(g/d) (level(t) - eta)          (Flather 1976)
+
+The second lets long waves leave: what comes from inside with u = -sqrt(g/d) eta passes unchanged. U is that of the
+case when velocity or discharge are given beside the level; else it is found: dU/dt = sqrt(g/d) (level - eta) / T, so
+that in the end the level is that asked for, whatever flows. T, the response, is long beside the waves. A wave that a
+relaxation zone at the side makes is part of what is outside: its elevation of the level, its velocity of U.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from houle.csv_table import header, read_columns
+from houle.errors import CaseError, SimulationError
+from houle.grid import FloatArray, Grid
+from houle.particles import Particles
+from houle.tables.sides import COLUMNS, Open
+from houle.waves.wave import Wave, ramp
+
+if TYPE_CHECKING:
+    from houle.flow import Flow
+
+NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
+CROSSINGS = 4.0  # of the tank by a long wave: the response of a level; critical damping of a tank closed at its other end
+THIN = 0.25  # of a half cell: less water at the surface belongs to the half cell below
+
+
+@dataclass(frozen=True)
+class Record:
+    """A value against time: linear between its points, constant before and after."""
+
+    time: FloatArray
+    value: FloatArray
+
+    def at(self, t: float) -> float:
+        return float(np.interp(t, self.time, self.value))
+
+
+def records(table: Open, folder: Path) -> dict[str, Record]:
+    """What an open side prescribes, by the keys of COLUMNS. Raises CaseError."""
+    constant = {key: getattr(table, key) for key in COLUMNS if getattr(table, key) is not None}
+    if table.file is None:
+        return {key: Record(np.zeros(1), np.array([value])) for key, value in constant.items()}
+    file, key = folder / table.file, f"open.{table.side}.file"
+    there = {name: column for name, column in COLUMNS.items() if column in header(file, key)}
+    if not there or {"velocity", "discharge"} <= set(there):
+        raise CaseError(
+            f"{key} = {file} needs a column t_s and one of velocity_m_s, discharge_m2_s, level_m, or level_m with one "
+            f"of the others; it has {', '.join(there.values()) or 'none of them'}"
+        )
+    (time, *values), rows = read_columns(file, ("t_s", *there.values()), key)
+    if len(time) < 2 or not np.all(np.isfinite(rows)) or np.any(np.diff(time) <= 0):
+        raise CaseError(f"{key} = {file} needs at least 2 rows of finite numbers with rising times; it has {len(time)}")
+    return {name: Record(time, value) for name, value in zip(there, values, strict=True)}
+
+
+@dataclass
+class OpenSide:
+    """One open side. Shapes: rows = grid.shape[1:], its faces; halves = twice as many along each axis.
+
+    speed (rows) into the tank [m/s]; wet (halves) share of each half face that is under water; after `drive`.
+    follows: U of a level [m/s]; owed: volume [m^d] that should have gone out and was not there yet.
+    came, went: volume [m^d] that has come in and gone out since the start.
+    """
+
+    far: bool
+    prescribed: dict[str, Record]
+    ramp: float
+    response: float
+    gravity: float
+    grid: Grid
+    open: FloatArray  # (rows) open part of the faces
+    wave: Wave | None = None
+    wave_ramp: float = 0.0
+    follows: float = 0.0
+    owed: float = 0.0
+    came: float = 0.0
+    went: float = 0.0
+    speed: FloatArray = field(init=False)
+    wet: FloatArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        rows = self.grid.shape[1:]
+        self.speed, self.wet = np.zeros(rows), np.zeros(tuple(2 * n for n in rows))
+
+    @classmethod
+    def of(
+        cls, table: Open, folder: Path, grid: Grid, open_faces: FloatArray, gravity: float, water: Particles
+    ) -> OpenSide:
+        """open_faces: of axis 0; water: at the start. Raises CaseError."""
+        far = table.side == "right"
+        near = np.abs(water.position[:, 0] - (grid.size[0] if far else 0.0)) < NEAR * grid.spacing[0]
+        depth = float(water.volume[near].sum()) * grid.shape[0] / (NEAR * math.prod(grid.size[:-1]))
+        speed = math.sqrt(max(gravity, 1e-12) * max(depth, grid.spacing[-1]))
+        response = table.response or CROSSINGS * grid.size[0] / speed
+        known = records(table, folder)
+        side = cls(far, known, table.ramp, response, gravity, grid, open_faces[-1 if far else 0].copy())
+        if near.any():
+            side.follows = side.sign * float(np.average(water.velocity[near, 0], weights=water.volume[near]))
+        return side
+
+    # ---- where it is ---------------------------------------------------------------------------------------------
+
+    @property
+    def sign(self) -> float:
+        """Of x-velocities that come in."""
+        return -1.0 if self.far else 1.0
+
+    @property
+    def x(self) -> float:
+        return self.grid.size[0] if self.far else 0.0
+
+    @property
+    def face(self) -> int:
+        """Of axis 0."""
+        return self.grid.shape[0] if self.far else 0
+
+    @property
+    def cell(self) -> int:
+        return self.grid.shape[0] - 1 if self.far else 0
+
+    @property
+    def area(self) -> float:
+        """Of half a face [m^(d-1)]."""
+        return float(np.prod([h / 2 for h in self.grid.spacing[1:]]))
+
+    @property
+    def state(self) -> FloatArray:
+        return np.array([self.follows, self.owed, self.came, self.went])
+
+    @state.setter
+    def state(self, values: FloatArray) -> None:
+        self.follows, self.owed, self.came, self.went = map(float, values)
+
+    # ---- what flows ----------------------------------------------------------------------------------------------
+
+    def drive(self, flow: Flow, dt: float) -> None:
+        """Sets speed and wet for a step of dt [s] that begins at flow.time: the velocity of its middle."""
+        middle, level = flow.time + dt / 2, self.level(flow)
+        self.wet = self._wet(level)
+        shape = (*self.speed.shape[:-1], 1)
+        depth = (self._depths() if self.grid.dimension == 3 else np.array(self._depths())).reshape(shape)
+        inwards = self._mean(middle, depth)
+        if "level" in self.prescribed:
+            inwards = inwards + self._towards_level(flow.time, dt, level, depth)
+        speed = np.broadcast_to(inwards, self.speed.shape)
+        if self.wave is not None:
+            z = self.grid.axis_points(self.grid.dimension - 1)
+            u = self.wave.velocity_on(np.array([self.x]), z, middle)[0][0]
+            speed = speed + self.sign * float(ramp(middle, self.wave_ramp)) * u
+        self.speed = np.where((self.open > 0.0) & (depth > 0.0), speed, 0.0)
+
+    def rest(self, flow: Flow) -> None:
+        """Lets water pass as it moves inside, for the first pressure."""
+        self.speed = self.sign * flow.velocity[0][self.face]
+
+    def level(self, flow: Flow) -> FloatArray:
+        """Level of the water at the side [m], (ny,) or () in 2D; 0 where dry."""
+        n = min(NEAR, self.grid.shape[0])
+        columns = np.nan_to_num(flow.eta[-n:] if self.far else flow.eta[:n])
+        return np.asarray(columns.mean(axis=0))
+
+    def _wet(self, level: FloatArray) -> FloatArray:
+        h = self.grid.spacing[-1] / 2
+        low = np.arange(2 * self.grid.shape[-1])
+        if self.grid.dimension == 3:
+            level = np.repeat(level, 2)[:, None]
+        return np.clip(level / h - low, 0.0, 1.0)
+
+    def halves(self, rows: FloatArray) -> FloatArray:
+        """Values of the faces at their halves."""
+        for axis in range(rows.ndim):
+            rows = np.repeat(rows, 2, axis=axis)
+        return rows
+
+    def _depths(self) -> FloatArray:
+        """Open wet depth [m], (ny,) or () in 2D."""
+        depth = (self.wet * self.halves(self.open)).sum(axis=-1) * self.grid.spacing[-1] / 2
+        return depth.reshape(-1, 2).mean(axis=1) if self.grid.dimension == 3 else depth
+
+    def _mean(self, t: float, depth: FloatArray) -> FloatArray | float:
+        """U into the tank [m/s]."""
+        grown = float(ramp(t, self.ramp))
+        if "velocity" in self.prescribed:
+            return grown * self.prescribed["velocity"].at(t)
+        if "discharge" not in self.prescribed:
+            return self.follows
+        mean = float(depth.mean())
+        if mean < self.grid.spacing[-1]:
+            raise SimulationError(
+                f"the open side at x = {self.x:g} m has run dry: {mean:.3g} m of water",
+                place=(self.x,) + (0.0,) * (self.grid.dimension - 1),
+                diagnosis="A discharge needs a depth of one cell at least; more water, or a lower floor, at the side.",
+            )
+        return grown * self.prescribed["discharge"].at(t) / mean
+
+    def _towards_level(self, t: float, dt: float, level: FloatArray, depth: FloatArray) -> FloatArray:
+        wanted = self.prescribed["level"].at(t)
+        if self.wave is not None:
+            wanted += float(ramp(t, self.wave_ramp)) * float(self.wave.elevation(self.x, t))
+        rate = np.sqrt(self.gravity / np.maximum(depth, self.grid.spacing[-1]))
+        pull = rate * (wanted - level.reshape(depth.shape))
+        if len(self.prescribed) == 1:
+            self.follows += dt / self.response * float(pull.mean())
+        return np.asarray(pull)
+
+    # ---- in the pressure system ----------------------------------------------------------------------------------
+
+    def feed(self, flow: Flow) -> None:
+        """Adds the flux through the side to the right-hand side of its pressure cells."""
+        flux = self.open * self.speed / self.grid.spacing[0]
+        flow.rhs[self.cell] += np.where(flow.active[self.cell], flux, 0.0)
+
+    def impose(self, flow: Flow) -> None:
+        """Gives the faces their velocity, below and above the surface."""
+        flow.velocity[0][self.face] = self.sign * self.speed
+        flow.valid[0][self.face] = 1
+
+    def power(self, flow: Flow) -> float:
+        """Of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
+        force = np.where(flow.active[self.cell], flow.pressure[self.cell] * self.open * self.speed, 0.0)
+        return float(force.sum()) * self.area * 2 ** (self.grid.dimension - 1)

@@ -1,0 +1,189 @@
+"""Open sides: channels, rivers, levels, waves that leave; water in and out to the last digit; 0.25 m deep."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from situations import copy_state, differing, run, simulation
+
+from houle import _core
+
+DEPTH, SPEED = 0.25, 0.3
+LONG = np.sqrt(9.81 * DEPTH)  # m/s
+
+
+def channel(left, right, *, size=2.0, spacing=0.025, velocity=SPEED, scheme="houle", water=None, **tables):
+    return simulation(
+        {
+            "case": {"name": "channel"},
+            "domain": {"size": [size, 0.4], "spacing": spacing},
+            "water": [water or {"below": DEPTH, "velocity": [velocity, 0.0]}],
+            "open": [{"side": "left", **left}, {"side": "right", **right}],
+            "numerics": {"scheme": scheme},
+            "time": {"end": 100.0},
+            **tables,
+        }
+    )
+
+
+def advance(sim, until):
+    while sim.time < until:
+        sim.advance(until)
+    return sim
+
+
+def kept(sim):
+    """Volume that is there and should not be, over what there was and came."""
+    ledger = sim.ledger
+    there = ledger.volume0 + ledger.inflow - ledger.outflow
+    return abs(sim.particles.total_volume - there) / (ledger.volume0 + ledger.inflow)
+
+
+def test_a_uniform_river_stays_uniform():
+    """A discharge comes in, the level holds it back: three seconds, half a tank of new water."""
+    sim = advance(channel({"discharge": SPEED * DEPTH}, {"level": DEPTH}), 3.0)
+    inner = slice(4, -4)
+    assert sim.ledger.inflow == pytest.approx(SPEED * DEPTH * sim.time, rel=1e-9)
+    assert sim.ledger.outflow == pytest.approx(sim.ledger.inflow, rel=0.01)
+    assert np.abs(sim.flow.eta[inner] - DEPTH).max() < 0.005 * DEPTH
+    x = sim.particles.position[:, 0]
+    inside = (x > 0.2) & (x < 1.8)
+    assert sim.particles.velocity[inside, 0].mean() == pytest.approx(SPEED, rel=0.01)
+    assert kept(sim) < 1e-14
+
+
+@pytest.mark.parametrize("scheme", ["houle", "jh2020"])
+def test_what_comes_in_less_what_goes_out_is_what_is_there(scheme):
+    """More comes in than goes out; also with the paper's sequence."""
+    sim = channel({"velocity": 0.5}, {"velocity": -0.2}, velocity=0.0, scheme=scheme)
+    sim.step.remeshing.every = 10**9  # the paper's remeshing makes water
+    run(sim, 40)
+    assert sim.ledger.inflow > 1.5 * sim.ledger.outflow > 0
+    assert kept(sim) < 1e-14
+
+
+def test_apic_carries_its_gradients_along():
+    sim = channel({"velocity": 0.5}, {"velocity": -0.5}, velocity=0.5, numerics={"transfer": "apic"})
+    run(sim, 30)
+    assert len(sim.step.transfer.arrays["affine"]) == len(sim.particles)
+    assert kept(sim) < 1e-14
+
+
+def test_water_at_rest_between_two_levels_rests():
+    sim = channel({"level": DEPTH}, {"level": DEPTH}, velocity=0.0)
+    before = len(sim.particles)
+    run(sim, 40)
+    assert np.abs(sim.particles.velocity).max() < 1e-6
+    assert len(sim.particles) == before
+    assert sim.ledger.inflow + sim.ledger.outflow < 1e-9
+
+
+def test_a_tank_fills_to_the_level_outside_and_not_above():
+    """By half a second the flow has come; four crossings, 5 s, are its response."""
+    sim = channel({"level": DEPTH + 0.02}, {"velocity": 0.0}, velocity=0.0)
+    highest = 0.0
+    while sim.time < 10.0:
+        sim.advance(10.0)
+        highest = max(highest, float(sim.flow.eta.mean()))
+    assert sim.flow.eta.mean() == pytest.approx(DEPTH + 0.02, abs=1e-3)
+    assert highest < DEPTH + 0.024
+    assert kept(sim) < 1e-14
+
+
+def test_a_long_wave_leaves():
+    """A hump, 1.2 m long and 10 mm high, splits into two waves; less than 4 % of each comes back."""
+    x = np.linspace(0.0, 4.0, 81)
+    top = DEPTH + 0.02 * np.exp(-(((x - 2.0) / 0.5) ** 2))
+    hump = {"polygon": [[0.0, 0.0], [4.0, 0.0], *np.stack([x, top], axis=-1)[::-1].tolist()]}
+    sim = channel({"level": DEPTH}, {"level": DEPTH}, size=4.0, water=hump)
+    passing = 0.0
+    while sim.time < 1.5 * 4.0 / LONG:
+        sim.advance(10.0)
+        if 0.6 < sim.time < 1.0:
+            passing = max(passing, float(np.nanmax(sim.flow.eta[20:140]) - DEPTH))
+    assert passing > 0.008
+    assert np.abs(sim.flow.eta[4:-4] - DEPTH).max() < 0.08 * passing
+    assert kept(sim) < 1e-14
+
+
+def test_a_record_of_levels_is_followed(tmp_path):
+    """A slow tide at the left side; the far side is a wall."""
+    (tmp_path / "tide.csv").write_text("# metres\nt_s,level_m\n0,0.25\n2,0.25\n8,0.22\n20,0.22\n")
+    case = {
+        "case": {"name": "tide"},
+        "domain": {"size": [2.0, 0.4], "spacing": 0.025},
+        "water": [{"below": DEPTH}],
+        "open": [{"side": "left", "file": str(tmp_path / "tide.csv")}],
+        "time": {"end": 20.0},
+    }
+    sim = advance(simulation(case), 14.0)
+    assert sim.flow.eta[4:-4].mean() == pytest.approx(0.22, abs=2e-3)
+    assert sim.ledger.outflow - sim.ledger.inflow == pytest.approx(2.0 * 0.03, rel=0.05)
+
+
+def test_three_dimensions_are_two_where_nothing_changes_across():
+    sims = [
+        simulation(
+            {
+                "case": {"name": "channel"},
+                "domain": {"size": size, "spacing": 0.05},
+                "water": [{"below": DEPTH, "velocity": [SPEED, *([0.0] * (len(size) - 1))]}],
+                "open": [{"side": "left", "velocity": SPEED}, {"side": "right", "level": DEPTH}],
+                "time": {"end": 10.0, "step": 0.01},
+            }
+        )
+        for size in ([1.0, 0.4], [1.0, 0.15, 0.4])
+    ]
+    flat, deep = (run(sim, 25) for sim in sims)
+    assert deep.ledger.inflow == pytest.approx(0.15 * flat.ledger.inflow, rel=1e-12)
+    assert deep.ledger.outflow == pytest.approx(0.15 * flat.ledger.outflow, rel=1e-6)
+    assert deep.flow.eta == pytest.approx(np.repeat(flat.flow.eta[:, None], 3, axis=1), abs=1e-6)
+
+
+def test_going_on_from_a_state_gives_the_same_bits():
+    make = [channel({"discharge": 0.1}, {"level": 0.24}, velocity=0.0) for _ in range(2)]
+    one, other = make
+    run(one, 33)
+    other.restore(copy_state(one))
+    run(one, 20)
+    run(other, 20)
+    assert differing(copy_state(one), copy_state(other)) == []
+
+
+def test_two_threads_give_the_same_bits():
+    states = []
+    for threads in (1, 2):
+        _core.set_threads(threads)
+        states.append(copy_state(run(channel({"velocity": 0.5}, {"level": DEPTH}), 25)))
+    _core.set_threads(1)
+    assert differing(*states) == []
+
+
+def test_dupuit_discharge_through_a_dyke():
+    """q = K (h1^2 - h2^2) / (2 L) between two levels, whatever the shape of the surface inside (Charny 1951)."""
+    h1, h2, length, permeability = 0.35, 0.15, 0.4, 0.1
+    top = [[1.0, h2], [0.7, h2], [0.3, h1], [0.0, h1]]
+    sim = simulation(
+        {
+            "case": {"name": "dyke"},
+            "domain": {"size": [1.0, 0.425], "spacing": 0.025},
+            "water": [{"polygon": [[0.0, 0.0], [1.0, 0.0], *top]}],
+            "porous": [
+                {
+                    "box": [[0.3, 0.0], [0.7, 0.425]],
+                    "porosity": 0.4,
+                    "resistance": {"a": 9.81 / permeability, "b": 0.0},
+                }
+            ],
+            "open": [{"side": "left", "level": h1}, {"side": "right", "level": h2}],
+            "time": {"end": 10.0},
+        }
+    )
+    advance(sim, 6.0)
+    before, since = (sim.ledger.inflow, sim.ledger.outflow), sim.time
+    advance(sim, 8.0)
+    exact = permeability * (h1**2 - h2**2) / (2 * length)
+    came = (sim.ledger.inflow - before[0]) / (sim.time - since)
+    went = (sim.ledger.outflow - before[1]) / (sim.time - since)
+    assert came == pytest.approx(exact, rel=0.03)
+    assert went == pytest.approx(exact, rel=0.03)
