@@ -21,8 +21,9 @@ CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 
 TABLES = {
     "case": tank.Head, "domain": tank.Domain, "fluid": tank.Fluid, "water": tank.Water, "porous": tank.Porous,
-    "solid": tank.Solid, "gate": tank.Gate, "open": sides.Open, "waves": Waves, "sponge": tank.Sponge, "gauge": observed.Gauge,
-    "sensor": observed.Sensor, "runup": observed.RunUp, "overtopping": observed.Overtopping, "force": observed.Force,
+    "solid": tank.Solid, "gate": tank.Gate, "open": sides.Open, "waves": Waves,
+    "sponge": tank.Sponge, "gauge": observed.Gauge, "sensor": observed.Sensor, 
+    "runup": observed.RunUp, "overtopping": observed.Overtopping, "force": observed.Force,
     "phreatic": observed.Phreatic, "flux": observed.Flux, "time": control.Time, "numerics": control.Numerics,
     "output": control.Output, "reflection": results.Reflection, "reference": results.Reference,
 }  # fmt: skip

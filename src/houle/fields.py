@@ -137,7 +137,7 @@ FIELDS: tuple[Field, ...] = (
         r"\Delta V/V_0",
         "1",
         "run",
-        "change of the water volume since the start that is not inflow or outflow, over the first volume and the inflow",
+        "change of the water volume since the start that is not in- or outflow, over the first volume and inflow",
     ),
     Field("inflow", "V_{in}", "m3", "run", "volume come in through open sides since the start", unit_2d="m2"),
     Field("outflow", "V_{out}", "m3", "run", "volume gone out through open sides since the start", unit_2d="m2"),
@@ -156,9 +156,7 @@ FIELDS: tuple[Field, ...] = (
         "sponge_work", "W_s", "J", "run", "energy lost to sponges and relaxation zones since the start", unit_2d="J m-1"
     ),
     Field("source_work", "W_w", "J", "run", "energy given by the wave makers since the start", unit_2d="J m-1"),
-    Field(
-        "open_work", "W_o", "J", "run", "work of the pressure at open sides since the start", unit_2d="J m-1"
-    ),
+    Field("open_work", "W_o", "J", "run", "work of the pressure at open sides since the start", unit_2d="J m-1"),
     *(
         Field(
             f"energy_{name}",

@@ -91,7 +91,9 @@ def _speeds(known: dict[str, Record], depth: float) -> np.ndarray | None:
 def _level(s: Section, wanted: Record, key: str, depth: float, level: float) -> Iterator[Finding]:
     low, high, top = float(wanted.value.min()), float(wanted.value.max()), s.case.domain.size[-1]
     if high >= top or low <= level - depth:
-        text = f": a level from {low:g} to {high:g} m; it must lie between the floor, {level - depth:g} m, and the lid, "
+        text = (
+            f": a level from {low:g} to {high:g} m; it must lie between the floor, {level - depth:g} m, and the lid, "
+        )
         yield Finding("error", key, f"{text}{top:g} m")
     elif abs(wanted.at(0.0) - level) > STEP * depth:
         text = f": the level begins at {wanted.at(0.0):g} m, that of the water beside it is {level:g} m: a wave starts"

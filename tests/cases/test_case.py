@@ -145,7 +145,7 @@ BAD = [
     ("domain.spacing", float("inf"), ["domain.spacing = inf", "finite"]),
     ("domain.size", [0.892], ["domain.size", "at least 2"]),
     ("domain.size", [0.892, -0.58], ["domain.size[1] = -0.58", "0 < size"]),
-    ("domain.walls", "open", ['domain.walls = "open"', '"slip", "no-slip"', "later version"]),
+    ("domain.walls", "open", ['domain.walls = "open"', '"slip", "no-slip"', "[[open]]"]),
     ("domain.walls", {"x": "periodic", "left": "slip"}, ["domain.walls.left", "periodic"]),
     ("domain.walls", {"y": "periodic"}, ["domain.walls", "3D only"]),
     ("fluid.viscosity", 1.0, ["fluid.viscosity = 1.0", "[m2/s]", "Did you mean 1e-06 (1 mm2/s)?"]),

@@ -58,7 +58,7 @@ class Overtopping:
         self.volume, self.discharge = 0.0, 0.0
 
     def behind(self, flow: Flow) -> float:
-        """Water volume behind x, less what came in there through an open side [m^d]; the particles are sorted by cells, x first."""
+        """Water behind x less what came in there through an open side [m^d]; the particles are sorted by x first."""
         grid, p = flow.grid, flow.particles
         per_column = int(np.prod(grid.shape[1:]))
         i = int(self.x / grid.spacing[0])
