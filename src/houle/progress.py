@@ -23,7 +23,7 @@ class Numbers:
     time: float
     end: float
     particles: int
-    drift: float  # relative change of the water volume since the start
+    drift: float  # of the water volume since the start, relative
     steps_per_second: float | None
     microseconds: float | None  # of wall time per particle and step
     left: float | None  # [s] of wall time
@@ -46,10 +46,10 @@ class Numbers:
 
 
 class Meter:
-    """Turns what a simulation is into Numbers; `volume` is the water volume at time 0, `end` the time to reach [s]."""
+    """Turns what a simulation is into Numbers; `end` is the time to reach [s]."""
 
-    def __init__(self, end: float, volume: float) -> None:
-        self.end, self.volume = end, volume
+    def __init__(self, end: float) -> None:
+        self.end = end
         self.past: deque[tuple[float, float, int]] = deque()  # wall time, simulated time, steps
 
     def read(self, simulation: Any) -> Numbers:
@@ -59,7 +59,7 @@ class Meter:
             self.past.popleft()
         then, time, steps = self.past[0]
         wall, done = now - then, simulation.steps - steps
-        drift = simulation.particles.total_volume / self.volume - 1.0 if self.volume > 0 else 0.0
+        drift = simulation.volume_drift
         speed = micro = left = None
         if done > 0 and wall > 0:
             speed, micro = done / wall, 1e6 * wall / done / max(1, count)
@@ -73,7 +73,7 @@ class Silent:
     def say(self, text: str) -> None:
         pass
 
-    def start(self, simulation: Any, end: float, volume: float) -> None:
+    def start(self, simulation: Any, end: float) -> None:
         pass
 
     def step(self, simulation: Any) -> None:
@@ -94,8 +94,8 @@ class Lines(Silent):
     def say(self, text: str) -> None:
         print(text, file=self.stream, flush=True)
 
-    def start(self, simulation: Any, end: float, volume: float) -> None:
-        self.meter, self.simulation = Meter(end, volume), simulation
+    def start(self, simulation: Any, end: float) -> None:
+        self.meter, self.simulation = Meter(end), simulation
         self.show(self.meter.read(simulation))
 
     def step(self, simulation: Any) -> None:
@@ -115,13 +115,13 @@ class Bar(Lines):
 
     every = BAR_EVERY
 
-    def start(self, simulation: Any, end: float, volume: float) -> None:
+    def start(self, simulation: Any, end: float) -> None:
         from rich.console import Console
         from rich.live import Live
 
         self.live = Live(console=Console(file=self.stream), auto_refresh=False)
         self.live.start()
-        super().start(simulation, end, volume)
+        super().start(simulation, end)
 
     def show(self, numbers: Numbers) -> None:
         from rich.console import Group

@@ -78,7 +78,6 @@ class Session:
         self.outputs = Outputs(directory, case, simulation.grid)
         self.recorder = Recorder(self.outputs, case.time.end, case.output.every, case.output.series_every)
         self.manifest = collect(case, threads)
-        self.volume = simulation.particles.total_volume  # at time 0
         self.newest = Path()  # checkpoint
 
     def begin(self) -> Session:
@@ -96,7 +95,7 @@ class Session:
         with self.clock.stage("writing"):
             self.outputs.truncate_after(self.recorder.last.time, self.recorder.last_row)
         self.clock.add(meta)
-        self.volume, self.newest = meta["volume"], checkpoint.path
+        self.newest = checkpoint.path
         resumed = [*manifest.get("resumed", []), {"step": checkpoint.step, "started": self.manifest["started"]}]
         self.manifest |= {"case": manifest["case"], "started": manifest["started"], "resumed": resumed}
         return self
@@ -104,7 +103,7 @@ class Session:
     def march(self, until: float | None) -> bool:
         """Steps to the end, or past `until` [s]; True at the end. However it ends, it can be resumed."""
         target = min(self.case.time.end, until if until is not None else self.case.time.end)
-        self.says.start(self.simulation, target, self.volume)
+        self.says.start(self.simulation, target)
         try:
             with stop_signals() as signals:
                 due = perf_counter() + CHECKPOINT_EVERY
@@ -160,7 +159,7 @@ class Session:
             self.outputs.commit()
         manifest = self.summarise(finished=False)
         names = ("time", "wall_seconds", "cpu_seconds", "operations", "stages")
-        meta = {"case_hash": self.case.hash, "volume": self.volume, **{n: manifest["summary"][n] for n in names}}
+        meta = {"case_hash": self.case.hash, **{n: manifest["summary"][n] for n in names}}
         state = {**self.simulation.state(), **recorded}
         self.newest = save_checkpoint(self.directory, self.simulation.steps, state, meta)
         write_manifest(self.directory, manifest)
@@ -175,7 +174,7 @@ class Session:
             time=simulation.time,
             steps=simulation.steps,
             particles=len(simulation.particles),
-            volume_drift=float(last["volume_drift"]),
+            volume_drift=simulation.volume_drift,
             energy={k: float(v) for k, v in last.items() if k in budget or k.startswith("energy_")},
             **self.clock.read(simulation.timings),
             **more,

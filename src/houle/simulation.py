@@ -77,6 +77,11 @@ class Simulation:
     def timings(self) -> dict[str, float]:
         return self.ledger.seconds
 
+    @property
+    def volume_drift(self) -> float:
+        """Change of the water volume that is not in- or outflow, relative [-]."""
+        return self.ledger.volume_drift()
+
     def _add_waves(self) -> Wave | None:
         """Wave maker and sponges of the case."""
         case, flow, grid = self.case, self.flow, self.grid
@@ -160,7 +165,7 @@ class Simulation:
 
     def _check(self) -> None:
         """Stops a run that is no longer a flow."""
-        p, ledger = self.particles, self.ledger
+        p = self.particles
         if not np.isfinite(p.velocity).all() or not np.isfinite(p.position).all():
             raise SimulationError(
                 "the velocity is no longer a number", diagnosis="A particle velocity became infinite or not a number."
@@ -171,7 +176,7 @@ class Simulation:
                 f"some water moves at {np.abs(p.velocity).max():.3g} m/s",
                 diagnosis="A few particles have a speed without physical cause; another transfer or kernel may not.",
             )
-        drift = ledger.volume_drift()
+        drift = self.volume_drift
         if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":
             raise SimulationError(
                 f"water was lost: the volume has changed by {drift:.2e} of itself",
@@ -207,7 +212,7 @@ class Simulation:
         volume = p.total_volume
         row = {
             "volume": volume,
-            "volume_drift": ledger.volume_drift(),
+            "volume_drift": self.volume_drift,
             "mean_level": self._mean_level(),
             "kinetic_energy": rho * flow.kinetic_energy(),
             "potential_energy": rho * flow.potential_energy(),

@@ -120,7 +120,7 @@ def measure(empty: Case, says: Silent) -> analysis.QualityCard:
     simulation, wave = Simulation(empty), wave_of(empty)
     places: list[tuple[float, ...]] = [(gauge.x,) for gauge in empty.gauge]
     rows, end = [(0.0, levels_at(simulation.flow, places))], empty.time.end
-    says.start(simulation, end, simulation.particles.total_volume)
+    says.start(simulation, end)
     try:
         while simulation.time < end:
             simulation.advance(end)

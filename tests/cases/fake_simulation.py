@@ -29,6 +29,7 @@ CASE = {
 
 
 class Simulation:
+    volume_drift = 0.0
     lag: ClassVar[dict[str, float]] = {"velocity": 0.5, "pressure": 1.0}
 
     def __init__(self, case, threads=None):
