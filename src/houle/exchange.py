@@ -36,7 +36,7 @@ def exchange(flow: Flow, transfer: Transfer, dt: float, ledger: Ledger) -> None:
         slices = _Slices.of(side, dt)
         _take(flow, transfer, side, slices, dt)
         _let_in(flow, transfer, side, slices, dt)
-    flow.refresh_particles()
+    flow.resize_particles()
     sort(flow, transfer)
 
 

@@ -120,8 +120,13 @@ class Flow:
 
     def refresh_particles(self) -> None:
         """Arrays for the present number of particles, and a new work space."""
-        n = len(self.particles)
         self.drop_work()
+        self.resize_particles()
+
+    def resize_particles(self) -> None:
+        """Arrays for the present number of particles; what the work space has on the grid stays."""
+        n = len(self.particles)
+        self.work.resize(n)
         self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
         self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels

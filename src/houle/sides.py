@@ -222,12 +222,12 @@ class OpenSide:
     def feed(self, flow: Flow) -> None:
         """Adds the flux through the side to the right-hand side of its pressure cells."""
         flux = self.open * self.speed / self.grid.spacing[0]
-        flow.rhs[self.cell] += np.where(flow.active[self.cell], flux, 0.0)
+        flow.work.rhs[self.cell] += np.where(flow.active[self.cell], flux, 0.0)
 
     def impose(self, flow: Flow) -> None:
         """Gives the faces their velocity, below and above the surface."""
         flow.velocity[0][self.face] = self.sign * self.speed
-        flow.valid[0][self.face] = 1
+        flow.work.valid[0][self.face] = 1
 
     def power(self, flow: Flow) -> float:
         """Of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""

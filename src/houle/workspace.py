@@ -20,6 +20,12 @@ class Workspace:
     def __init__(self, grid: Grid, particles: int) -> None:
         self.grid, self.particles = grid, particles
 
+    def resize(self, particles: int) -> None:
+        """For another number of particles."""
+        self.particles = particles
+        for name in ("order", "spare"):
+            self.__dict__.pop(name, None)
+
     @cached_property
     def order(self) -> np.ndarray:
         """Of the particles, when they are sorted (N,)."""
