@@ -34,11 +34,6 @@ static nb::dict build_info() {
   info["compiler"] = "unknown";
 #endif
   info["flags"] = HOULE_FLAGS;
-#ifdef _OPENMP
-  info["openmp"] = _OPENMP;
-#else
-  info["openmp"] = nb::none();
-#endif
   info["threads"] = get_threads();
   return info;
 }
@@ -52,7 +47,7 @@ NB_MODULE(_core, m) {
   bind_grid<3>(m, "Grid3");
   m.def("set_threads", &set_threads, "threads"_a);
   m.def("get_threads", &get_threads);
-  m.def("build_info", &build_info, "Compiler, its flags, date of the OpenMP specification or None, threads in use.");
+  m.def("build_info", &build_info, "Compiler, its flags, threads in use.");
   bind_poisson(m);
   bind_transfer(m);
   bind_flow(m);

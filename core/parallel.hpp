@@ -1,4 +1,4 @@
-// Parallel loops. The only file that names OpenMP; a GPU build replaces these bodies and nothing else.
+// Parallel loops, on the threads of team.hpp; a GPU build replaces these bodies and nothing else.
 //
 // Loop bodies capture pointers and scalars by value, allocate nothing and throw nothing. Every result is bitwise the
 // same for any number of threads: iterations are independent, and sums are formed over blocks of a fixed size, block
@@ -7,13 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
+#include "team.hpp"
 
 #if defined(_MSC_VER)
 #define HOULE_NOINLINE __declspec(noinline)
@@ -34,23 +31,11 @@
 
 namespace houle {
 
-using index = std::ptrdiff_t;
+inline void set_threads(int threads) { Team::shared().resize(threads); }
 
-inline void set_threads([[maybe_unused]] int threads) {
-#ifdef _OPENMP
-  omp_set_num_threads(threads);
-#endif
-}
+inline int get_threads() { return Team::shared().size(); }
 
-inline int get_threads() {
-#ifdef _OPENMP
-  return omp_get_max_threads();
-#else
-  return 1;
-#endif
-}
-
-// The share [begin, end) of one thread. Not inlined: the same instructions run for any number of threads, where two
+// Part of a loop. Not inlined: the same instructions run for any number of threads, where two
 // compilations could contract multiply-adds differently. It works on a copy of the body that nothing else points to, so
 // that the compiler keeps in registers what it captured.
 template <class Body>
@@ -59,45 +44,46 @@ HOULE_NOINLINE inline void run_share(index begin, index end, const Body& shared)
   for (index i = begin; i < end; ++i) body(i);
 }
 
-// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this per thread are not worth waking it.
-// A thread always has the same share, which stays in its cache.
 template <class Body>
-inline void parallel_for(index n, const Body& body, [[maybe_unused]] index grain = 1024) {
-#ifdef _OPENMP
-  if (n >= 2 * grain && get_threads() > 1) {
-#pragma omp parallel
-    {
-      const index thread = omp_get_thread_num(), threads = omp_get_num_threads();
-      run_share(n * thread / threads, n * (thread + 1) / threads, body);
-    }
-    return;
+inline Team::Loop loop_of(const Body& body, index chunk, int shares) {
+  return {[](const void* b, index begin, index end) { run_share(begin, end, *static_cast<const Body*>(b)); }, &body,
+          chunk, shares};
+}
+
+// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this per thread are not worth waking it.
+template <class Body>
+inline void parallel_for(index n, const Body& body, index grain = 1024) {
+  constexpr index chunks = 4;  // per share: what the other threads can take over
+  Team& team = Team::shared();
+  const index shares = std::min<index>(team.size(), n / grain);
+  if (shares > 1) {
+    const index chunk = (n + chunks * shares - 1) / (chunks * shares);
+    if (team.run(loop_of(body, chunk, static_cast<int>(shares)), [=](index s) { return n * s / shares; })) return;
   }
-#endif
   run_share(0, n, body);
 }
 
 // Calls body(i) for few and heavy i = 0..n-1 (slabs), colour by colour: no two of different colours at the same time.
-// place(i), growing from 0 to 1, tells where in the work i lies; a thread takes what lies in its share, always the
-// same.
+// place(i), growing from 0 to 1, tells where in the work i lies; a thread begins with what lies in its share.
 template <class Colour, class Place, class Body>
 inline void parallel_for_coloured(index n, int colours, Colour colour, Place place, const Body& body) {
-  const auto pass = [&](int now, index thread, index threads) {
-    for (index i = 0; i < n; ++i)
-      if (colour(i) == now &&
-          std::min(static_cast<index>(place(i) * static_cast<double>(threads)), threads - 1) == thread)
-        run_share(i, i + 1, body);
-  };
-#ifdef _OPENMP
-  if (n > 1 && get_threads() > 1) {
-#pragma omp parallel
-    for (int now = 0; now < colours; ++now) {
-      pass(now, omp_get_thread_num(), omp_get_num_threads());
-#pragma omp barrier
+  Team& team = Team::shared();
+  const int shares = static_cast<int>(std::min<index>(team.size(), n));
+  const auto bound = [=](int s) {  // the first i that lies in share s or later
+    index low = 0, high = s < shares ? n : 0;
+    if (s == shares) return n;
+    while (low < high) {
+      const index middle = (low + high) / 2;
+      (place(middle) * shares < s ? low : high) = middle + (place(middle) * shares < s);
     }
-    return;
+    return low;
+  };
+  for (int now = 0; now < colours; ++now) {
+    const auto pass = [=](index i) {
+      if (colour(i) == now) run_share(i, i + 1, body);
+    };
+    if (shares < 2 || !team.run(loop_of(pass, 1, shares), bound)) run_share(0, n, pass);
   }
-#endif
-  for (int now = 0; now < colours; ++now) pass(now, 0, 1);
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.

@@ -55,12 +55,11 @@ inline void each_slab(const Grid<D>& g, const std::int64_t* start, const Slab& s
   constexpr index columns = 8;  // at least twice the reach of the widest kernel
   const index nx = g.shape[0], plane = g.cells() / nx, slabs = std::max<index>(1, nx / columns);
   const auto first = [=](index s) { return start[(s == slabs ? nx : s * columns) * plane]; };
-  const auto colour = [=](index s) {  // the last of an odd number of slabs around a periodic axis touches the first
-    return g.periodic[0] && slabs % 2 == 1 && s == slabs - 1 ? 2 : static_cast<int>(s % 2);
-  };
+  const bool third = g.periodic[0] && slabs % 2 == 1;  // the last around a periodic axis touches the first
+  const auto colour = [=](index s) { return third && s == slabs - 1 ? 2 : static_cast<int>(s % 2); };
   const double all = static_cast<double>(std::max<index>(1, first(slabs)));
   const auto place = [=](index s) { return 0.5 * static_cast<double>(first(s) + first(s + 1)) / all; };
-  parallel_for_coloured(slabs, 3, colour, place, [=](index s) { slab(first(s), first(s + 1)); });
+  parallel_for_coloured(slabs, third ? 3 : 2, colour, place, [=](index s) { slab(first(s), first(s + 1)); });
 }
 
 // On a periodic axis the last face is the first.

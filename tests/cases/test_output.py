@@ -487,7 +487,7 @@ def test_the_manifest_says_what_ran_where_and_how_it_went(tmp_path):
         and got["python"]["packages"]["numpy"] == np.__version__
     )
     build = got["houle"]["build"]
-    assert build["compiler"] and "O" in build["flags"] and build["threads"] >= 1 and "openmp" in build
+    assert build["compiler"] and "O" in build["flags"] and build["threads"] >= 1
     assert got["summary"]["steps"] == 10 and got["summary"]["volume_drift"] is None
     assert got["ended"] >= got["started"] and read_manifest(tmp_path) == got
 
