@@ -23,7 +23,7 @@ from houle.grid import FloatArray
 from houle.layout import Finding, Section
 from houle.tables.tank import Sponge
 from houle.waves.check import assess
-from houle.waves.makers import oscillations, source_width
+from houle.waves.makers import require_source, source_width
 from houle.waves.sponge import sides
 from houle.waves.table import Source, Zone, make
 from houle.waves.wave import Wave
@@ -90,7 +90,7 @@ def _source(s: Section, wave: Wave) -> Iterator[Finding]:
     assert table is not None and table.source is not None
     x = table.source.x
     try:
-        oscillations(wave, table.kind)
+        require_source(table, wave)
     except CaseError as error:
         yield _told("error", str(error))
         return

@@ -11,7 +11,7 @@ from houle.errors import CaseError
 WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25}  # L = 1.667 m
 SPONGE = {"box": [[7.5, 0.0], [10.0, 0.4]]}
 ZONE = {"zone": {"x": [0.0, 2.5]}}
-SOURCE = {"source": {"x": 4.0, "width": 0.8}}
+SOURCE = {"source": {"x": 4.0, "width": 0.8, "form": "linear"}}
 LEFT = {"box": [[0.0, 0.0], [2.5, 0.4]]}
 
 
@@ -38,13 +38,13 @@ def found(case):
 GOOD = {
     "zone": flume(porous=[block()], gauge=[{"x": 3.0}]),
     "source": flume(SOURCE, sponge=[SPONGE, LEFT], porous=[block(5.5, 6.5)], gauge=[{"x": 5.0}]),
-    "one side": flume({"source": {"x": 1.0, "width": 0.8, "side": "right"}}),
+    "one side": flume({"source": {"x": 1.0, "width": 0.8, "form": "linear", "side": "right"}}),
     "a bed under everything": flume(water=[{"below": 0.3}], solid=[{"box": [[0.0, 0.0], [10.0, 0.05]]}]),
     "a beach in a sponge": flume(solid=[{"polygon": [[8.0, 0.0], [10.0, 0.0], [10.0, 0.3]]}]),
     "spectrum": flume({"kind": "jonswap", **ZONE}),
     "solitary": flume({"kind": "solitary", "period": None, "zone": {"x": [0.0, 6.0]}}, sponge=[]),
     "3D": flume(  # 5 m sin(19.48 degrees) = L
-        {"source": {"x": 4.0, "width": 0.8}, "direction": 19.48},
+        {"source": {"x": 4.0, "width": 0.8, "form": "linear"}, "direction": 19.48},
         sponge=[{"box": [[7.5, 0.0, 0.0], [10.0, 5.0, 0.4]]}, {"box": [[0.0, 0.0, 0.0], [2.5, 5.0, 0.4]]}],
         domain={"size": [10.0, 5.0, 0.4], "spacing": 0.04, "walls": {"y": "periodic"}},
         water=[{"below": 0.25}],
@@ -75,13 +75,15 @@ DOUBTS = {
     "source outside": (flume({"source": {"x": 12.0}}), "error", "waves.source.x", ["= 12", "0 < x < 10 m"]),
     "source in cm": (flume({"source": {"x": 400.0}}), "error", "waves.source.x", ["cm given"]),
     "source at the wall": (
-        flume({"source": {"x": 0.3, "width": 0.8, "side": "right"}}), "error", "waves.source.x",
+        flume({"source": {"x": 0.3, "width": 0.8, "form": "linear", "side": "right"}}), "error", "waves.source.x",
         ["0.6 m to each side", "wall at 0 m", "x = 0.6"]),
+    "narrow source of steep waves": (
+        flume({"source": {"x": 4.0, "width": 0.5}}), "error", "waves.source", ["leave width out", 'form = "linear"']),
     "source sends to the wall": (flume(SOURCE), "warning", "waves.source.side", ["[[sponge]]", "3.4 m", '"right"']),
     "source in a sponge": (
-        flume({"source": {"x": 8.5, "width": 0.8}}, sponge=[SPONGE, LEFT]), "error", "sponge.sponge-1", ["damps"]),
+        flume({"source": SOURCE["source"] | {"x": 8.5}}, sponge=[SPONGE, LEFT]), "error", "sponge.sponge-1", ["damps"]),
     "source beside a sponge": (
-        flume({"source": {"x": 2.9, "width": 0.8}}, sponge=[SPONGE, LEFT]), "warning", "sponge.sponge-2",
+        flume({"source": SOURCE["source"] | {"x": 2.9}}, sponge=[SPONGE, LEFT]), "warning", "sponge.sponge-2",
         ["x = 0 to 2.5 m", "2.3 to 3.5 m", "lower"]),
     "solitary from a source": (
         flume({"kind": "solitary", "period": None, **SOURCE}, sponge=[]), "error", "waves.source", ["waves.zone"]),
@@ -103,11 +105,11 @@ DOUBTS = {
     "oblique from a zone": (
         flume({"direction": 20.0, **ZONE}, (10.0, 0.4, 0.4), sponge=[]), "error", "waves.direction", ["waves.source"]),
     "oblique, does not come round": (
-        flume({"source": {"x": 4.0, "width": 0.8}, "direction": 30.0}, sponge=[],
+        flume({"source": {"x": 4.0, "width": 0.8, "form": "linear"}, "direction": 30.0}, sponge=[],
               domain={"size": [10.0, 5.0, 0.4], "spacing": 0.04, "walls": {"y": "periodic"}}),
         "error", "waves.direction", ["1.50 waves", "19.5 or 41.8 degrees"]),
     "oblique between walls": (
-        flume({"source": {"x": 4.0, "width": 0.8}, "direction": 30.0}, sponge=[],
+        flume({"source": {"x": 4.0, "width": 0.8, "form": "linear"}, "direction": 30.0}, sponge=[],
               domain={"size": [10.0, 5.0, 0.4], "spacing": 0.04}),
         "warning", "waves.direction", ['y = "periodic"']),
     "lid": (flume(size=(10.0, 0.26), sponge=[]), "error", "domain.size", ["crests rise", "hit the lid", "height 0.3"]),
@@ -130,7 +132,7 @@ DOUBTS = {
               sponge=[{"box": [[7.0, 3.0, 0.0], [10.0, 5.0, 0.4]]}]),
         "error", "sponge.sponge-1.box", ["two sides"]),
     "sponge at no wall": (
-        flume({"source": {"x": 3.0, "width": 0.8, "side": "right"}},
+        flume({"source": {"x": 3.0, "width": 0.8, "form": "linear", "side": "right"}},
               domain={"size": [10.0, 0.4], "spacing": 0.01, "walls": {"x": "periodic"}}),
         "error", "sponge.sponge-1.box", ["no wall"]),
     "short sponge": (
@@ -161,7 +163,8 @@ def test_the_window_is_that_of_the_analysis():
     assert good is not None and good.level == "info" and "can be taken apart from" in good.text
     short = wave_report.steady(load(case, {"time.end": 8.0}))
     assert short is not None and (short.level, short.key) == ("warning", "time.end") and "s longer" in short.text
-    closed = flume({"source": {"x": 2.0, "width": 0.8, "side": "right"}}, gauge=[{"x": 3.0}], porous=[block(3.5, 4.5)])
+    source = SOURCE["source"] | {"x": 2.0, "side": "right"}
+    closed = flume({"source": source}, gauge=[{"x": 3.0}], porous=[block(3.5, 4.5)])
     there_and_back = wave_report.steady(closed)
     assert there_and_back is not None and there_and_back.key == "domain.size" and "[[sponge]]" in there_and_back.text
 

@@ -124,7 +124,7 @@ def integrals(flow: Array, y: Array) -> list[Array]:
     return [y * polynomial(row / odd, y * y) for row in flow]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # equal, and one key, if equal as `Wave`
 class Cnoidal(Wave):
     """ratio = K(m)/K(1 - m), infinite for the solitary wave; trough = h [m]; alpha per trough depth;
 

@@ -14,11 +14,11 @@ import numpy as np
 
 from houle.grid import Faces, FloatArray, Grid
 from houle.waves.dispersion import group_velocity
+from houle.waves.finite import SHARPNESS
+from houle.waves.finite_source import REACH, FiniteSource
 from houle.waves.table import Source, Waves, Zone
 from houle.waves.wave import Components, Wave, WaveError, ramp
 
-SHARPNESS = 20.0  # beta width^2 of the source (JH2020 (4); Wei, Kirby & Sinha 1999)
-REACH = 1.25  # widths to each side of the source where its force is not negligible: exp(-20 * 1.25^2) = 3e-14
 NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
 WIDTH = {True: 1.0, False: 0.25}  # of a source for regular waves, for a spectrum with its short waves, in wavelengths
 FIRMNESS = 3.0  # of a zone, in the strength of a sponge: softer, the wave is too low; firmer, more comes back
@@ -37,6 +37,8 @@ class Maker(Protocol):
 @dataclass
 class InternalSource:
     """The momentum source of JH2020 (4), (5), corrected: the gradient of a potential G(x) times oscillations.
+
+    For what is a sum of linear waves; regular waves with harmonics have FiniteSource.
 
     G = exp(-beta (x - x0)^2), beta = 20 / width^2, uniform over the depth. To both sides each component is pushed by
     -g (D/omega) G' sin(omega t - k_y y - psi); to one side by half of that with the part added whose waves on the other
@@ -113,7 +115,7 @@ def _bell(x: FloatArray, beta: float) -> FloatArray:
 
 def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatArray:
     """The factor of D that is the group velocity [m/s]: exact for potential flow, or of the Boussinesq equations."""
-    if form == "linear":
+    if form != "boussinesq":
         return np.asarray(group_velocity(parts.k, depth, gravity))
     k, omega = parts.k, parts.omega
     bracket = omega**2 - (NWOGU + 1 / 3) * gravity * k**4 * depth**3
@@ -213,12 +215,31 @@ def oscillations(wave: Wave, kind: str) -> Components:
     return parts
 
 
-def make_maker(table: Waves, wave: Wave, grid: Grid) -> InternalSource | RelaxationZone:
+def is_finite(table: Waves, parts: Components) -> bool:
+    """Whether the source makes all harmonics of the wave."""
+    return (
+        isinstance(table.maker, Source)
+        and table.maker.form == "finite"
+        and table.kind == "regular"
+        and len(parts.k) > 1
+    )
+
+
+def require_source(table: Waves, wave: Wave) -> None:
+    """Raises WaveError if the source cannot make this wave. What it finds out is kept for the source."""
+    assert isinstance(table.maker, Source)
+    if is_finite(table, oscillations(wave, table.kind)):
+        FiniteSource.force(wave, source_width(table.maker, table.kind, wave), table.maker.side)
+
+
+def make_maker(table: Waves, wave: Wave, grid: Grid) -> InternalSource | FiniteSource | RelaxationZone:
     """The maker that the table asks for. Raises WaveError."""
     maker = table.maker
     if isinstance(maker, Zone):
         return RelaxationZone.of(maker, wave, grid, table.ramp_time())
-    parts = oscillations(wave, table.kind)
-    if table.kind == "regular":  # the harmonics of a steep wave are bound to it, and grow on the way
+    parts, width = oscillations(wave, table.kind), source_width(maker, table.kind, wave)
+    if is_finite(table, parts):
+        return FiniteSource.of(wave, grid, maker.x, width, maker.side, table.ramp_time())
+    if table.kind == "regular":
         parts = Components(*(getattr(parts, f)[:1] for f in ("amplitude", "omega", "k", "phase", "direction")))
-    return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), source_width(maker, table.kind, wave))
+    return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), width)

@@ -29,7 +29,7 @@ def transport(k: float, depth: float, elevation: Array, velocity: Array) -> floa
     return float((velocity[:, None] * np.sinh(j * k * level) / (j * k) * cos).sum(0).mean())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # equal, and one key, if equal as `Wave`
 class Steady(Wave):
     """E_j [m] and C_j [m/s] from j = 1, U [m/s]."""
 

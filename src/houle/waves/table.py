@@ -62,8 +62,10 @@ class Source(Table):
         gt=0,
         description="width; a wavelength when left out, a quarter of that of the peak for spectra [m]",
     )
-    form: Literal["linear", "boussinesq"] = Field(
-        default="linear", description="amplitude from the group velocity of linear theory, or the paper's eq. (5)"
+    form: Literal["finite", "linear", "boussinesq"] = Field(
+        default="finite",
+        description="regular waves with all their harmonics; or the first alone, with the group velocity of linear "
+        "theory or by the paper's eq. (5); sums of linear waves are linear with either of the first two",
     )
     side: Literal["both", "left", "right"] = Field(default="both", description="where the waves go")
 

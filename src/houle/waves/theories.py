@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from math import pi
 
 from houle.waves import dispersion
@@ -88,6 +88,7 @@ LOW = 0.6  # share of the highest wave below which a wave that has no Fourier se
 FLAT = 0.01  # second harmonic over height up to which a wave is linear
 
 
+@lru_cache(maxsize=64)
 def regular(
     theory: str,
     height: float,
