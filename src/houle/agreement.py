@@ -56,6 +56,11 @@ def disagreements(case: Case) -> list[str]:
             f"{key}: the name {n} is given twice; names must differ"
             for n in sorted({n for n in names if names.count(n) > 1})
         ]
+    if case.reflection is not None and case.waves is not None and case.waves.current:
+        found.append(
+            f"reflection: waves.current = {case.waves.current:g} m/s: incident and reflected waves have other lengths "
+            "on a current and cannot be taken apart; remove [reflection]"
+        )
     return found + _reflection_fits(case)
 
 

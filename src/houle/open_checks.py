@@ -39,6 +39,8 @@ def open_sides_fit(s: Section) -> Iterator[Finding]:
         yield from found
     if len(known) == len(case.open) > 0:
         yield from _balance(s, known)
+    if len(known) == len(case.open):
+        yield from _current(s, known)
 
 
 def _at(s: Section, table: Open) -> tuple[float, float]:
@@ -137,6 +139,24 @@ def _balance(s: Section, known: list[dict[str, Record]]) -> Iterator[Finding]:
         f"{1e3 * abs(rise):.0f} mm of level: give a level to one side"
     )
     yield Finding(level, "open", text)  # type: ignore[arg-type]
+
+
+def _current(s: Section, known: list[dict[str, Record]]) -> Iterator[Finding]:
+    """waves.current is what the open sides let through."""
+    case = s.case
+    if case.waves is None:
+        return
+    stated, flows = case.waves.current, []
+    for table, k in zip(case.open, known, strict=True):
+        speeds = _speeds(k, _at(s, table)[0])
+        if speeds is not None:
+            flows.append(float(speeds[-1]) * (1.0 if table.side == "left" else -1.0))
+    if stated and not case.open and not case.domain.periodic[0]:
+        text = f"= {stated:g} m/s, but the tank is closed: give [[open]] sides that let it in and out"
+        yield Finding("error", "waves.current", text)
+    elif flows and abs(stated - flows[0]) > 1e-3 + 0.02 * abs(flows[0]):
+        text = f"= {stated:g} m/s, but {flows[0]:.3g} m/s come in: they are the same water, current = {flows[0]:.3g}"
+        yield Finding("warning", "waves.current", text)
 
 
 def open_rows(case: Case) -> list[tuple[str, str]]:

@@ -81,6 +81,7 @@ class OpenSide:
     ramp: float
     response: float
     gravity: float
+    still: float  # depth at the start [m]
     grid: Grid
     open: FloatArray  # (rows) open part of the faces
     wave: Wave | None = None
@@ -104,10 +105,11 @@ class OpenSide:
         far = table.side == "right"
         near = np.abs(water.position[:, 0] - (grid.size[0] if far else 0.0)) < NEAR * grid.spacing[0]
         depth = float(water.volume[near].sum()) * grid.shape[0] / (NEAR * math.prod(grid.size[:-1]))
-        speed = math.sqrt(max(gravity, 1e-12) * max(depth, grid.spacing[-1]))
+        depth = max(depth, grid.spacing[-1])
+        speed = math.sqrt(max(gravity, 1e-12) * depth)
         response = table.response or CROSSINGS * grid.size[0] / speed
         known = records(table, folder)
-        side = cls(far, known, table.ramp, response, gravity, grid, open_faces[-1 if far else 0].copy())
+        side = cls(far, known, table.ramp, response, gravity, depth, grid, open_faces[-1 if far else 0].copy())
         if near.any():
             side.follows = side.sign * float(np.average(water.velocity[near, 0], weights=water.volume[near]))
         return side
@@ -144,6 +146,17 @@ class OpenSide:
     @state.setter
     def state(self, values: FloatArray) -> None:
         self.follows, self.owed, self.came, self.went = map(float, values)
+
+    @property
+    def streams(self) -> bool:
+        """Whether it lets in what is prescribed."""
+        return "velocity" in self.prescribed or "discharge" in self.prescribed
+
+    def discharge(self, t: float) -> float:
+        """What it prescribes, towards larger x at the time t [s], per width [m2/s]."""
+        key = "velocity" if "velocity" in self.prescribed else "discharge"
+        inwards = float(ramp(t, self.ramp)) * self.prescribed[key].at(t)
+        return self.sign * inwards * (self.still if key == "velocity" else 1.0)
 
     # ---- what flows ----------------------------------------------------------------------------------------------
 

@@ -31,7 +31,7 @@ from houle.step import STEPS
 from houle.tables.control import WAVE_SHARE
 from houle.tables.tank import Porous
 from houle.transfer import make
-from houle.waves.makers import damping, make_maker
+from houle.waves.makers import Stream, damping, make_maker
 from houle.waves.sponge import resist, way_length
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
@@ -65,6 +65,7 @@ class Simulation:
         self.wave = self._add_waves()
         self.flow.sides = self._open_sides()
         self.flow.driven = [*self.flow.sides]
+        self._add_stream()
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
         self.observers = Observers(case, self.flow)
@@ -89,7 +90,7 @@ class Simulation:
         speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
         if case.waves is not None:
             wave = make_wave(case.waves, case.fluid.gravity, case.folder)
-            maker = make_maker(case.waves, wave, grid)
+            maker = make_maker(case.waves, wave, grid, wall=all(side.side != "left" for side in case.open))
             flow.makers, speed = [maker], wave.group_velocity
             maker.resist(rate)
         for sponge in case.sponge:
@@ -109,6 +110,28 @@ class Simulation:
                 side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()
             sides.append(side)
         return sides
+
+    def _add_stream(self) -> None:
+        """What damps leads towards the current: that of the waves, or what the first driven side lets in."""
+        flow, waves = self.flow, self.case.waves
+        if not flow.damping:
+            return
+        if waves is not None and waves.current:
+            q = waves.current * waves.depth
+            flow.makers.append(Stream(flow.damping[0], self._depths(), lambda t: q))
+            return
+        side = next((s for s in flow.sides if s.streams), None)
+        if side is not None:
+            flow.makers.append(Stream(flow.damping[0], self._depths(), side.discharge))
+
+    def _depths(self) -> FloatArray:
+        """Of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""
+        grid, p = self.grid, self.particles
+        shape, plan = grid.shape[:-1], grid.spacing[:-1]
+        bins = [np.arange(n + 1) * h for n, h in zip(shape, plan, strict=True)]
+        held = np.histogramdd(p.position[:, :-1], bins, weights=p.volume)[0] / math.prod(plan)
+        padded = np.concatenate([held[:1], held, held[-1:]])
+        return np.maximum(0.5 * (padded[:-1] + padded[1:]), grid.spacing[-1])
 
     # ---- marching ------------------------------------------------------------------------------------------------
 

@@ -37,6 +37,8 @@ def _wave(case: Case) -> str:
     assert waves is not None
     sizes = (("height", waves.height, "m"), ("period", waves.period, "s"), ("depth", waves.depth, "m"))
     given = [f"{name} = {value:g} {unit}" for name, value, unit in sizes if value is not None]
+    if waves.current:
+        given.append(f"on a current of {waves.current:g} m/s")
     return ", ".join([str(waves.kind), *given, *([waves.file] if waves.file else [])])
 
 

@@ -7,6 +7,7 @@ import pytest
 from situations import copy_state, differing, run, simulation
 
 from houle import _core
+from houle.waves.dispersion import wave_number
 
 DEPTH, SPEED = 0.25, 0.3
 LONG = np.sqrt(9.81 * DEPTH)  # m/s
@@ -185,3 +186,41 @@ def test_dupuit_discharge_through_a_dyke():
     went = (sim.ledger.outflow - before[1]) / (sim.time - since)
     assert came == pytest.approx(exact, rel=0.03)
     assert went == pytest.approx(exact, rel=0.03)
+
+
+def test_a_wave_on_a_current_has_the_length_that_doppler_gives_it():
+    """A following current of 0.2 m/s makes a wave of 1.2 s 18 % longer; neither zone nor sponge slows the water."""
+    period, current, omega = 1.2, 0.2, 2 * np.pi / 1.2
+    zone, free, size = 2.3, 2.6, 7.2
+    side = {"level": DEPTH}
+    sim = channel(
+        {"velocity": current, **side},
+        {"velocity": -current, **side},
+        size=size,
+        spacing=0.03125,
+        velocity=current,
+        waves={
+            "kind": "regular", "height": 0.02, "period": period, "depth": DEPTH, "current": current,
+            "zone": {"x": [0.0, zone]},
+        },
+        sponge=[{"box": [[zone + free, 0.0], [size, 0.4]]}],
+    )  # fmt: skip
+    end, times, rows = 6.5 * period, [], []
+    while sim.time < end:
+        sim.advance(min(end, sim.time + 0.04))
+        if sim.time > end - period:
+            times.append(sim.time)
+            rows.append(sim.flow.eta - DEPTH)
+    x = sim.grid.axis_points(0)
+    inside = (x > zone + 0.2) & (x < zone + free - 0.2)
+    basis = np.stack([np.cos(omega * np.array(times)), np.sin(omega * np.array(times)), np.ones(len(times))], axis=1)
+    cos, sin = np.linalg.lstsq(basis, np.array(rows)[:, inside], rcond=None)[0][:2]
+    k = abs(np.polyfit(x[inside], np.unwrap(np.arctan2(sin, cos)), 1)[0])
+    expected = float(wave_number(omega, DEPTH, current=current))
+    assert k == pytest.approx(expected, rel=0.015)
+    assert float(wave_number(omega, DEPTH)) > 1.15 * expected
+    assert np.hypot(cos, sin).mean() == pytest.approx(0.01, rel=0.05)
+    speed, place = sim.particles.velocity[:, 0], sim.particles.position[:, 0]
+    for low, high in ((zone, zone + free), (zone + free, size)):
+        assert speed[(place > low) & (place < high)].mean() == pytest.approx(current, rel=0.05)
+    assert kept(sim) < 1e-14

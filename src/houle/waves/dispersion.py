@@ -12,12 +12,16 @@ Array = NDArray[np.float64]
 GRAVITY = 9.81
 
 
-def wave_number(omega: ArrayLike, depth: float, gravity: float = GRAVITY) -> Array:
+def wave_number(omega: ArrayLike, depth: float, gravity: float = GRAVITY, current: float = 0.0) -> Array:
     """Wave number [rad/m] of the angular frequency omega >= 0 [rad/s], any shape; 0 for omega = 0.
 
-    Newton's method on x tanh x = y, x = k d, y = omega^2 d / g, from sqrt(y) (long waves) or y (short waves) with the
-    sqrt(coth) blend of Fenton & McKee (1990). The relative error is below 1e-14 for every y.
+    On a current along the wave [m/s] omega is that seen from the bed, (omega - k U)^2 = g k tanh k d, and NaN is
+    returned where the current stops the wave. Without: Newton's method on x tanh x = y, x = k d, y = omega^2 d / g,
+    from sqrt(y) (long waves) or y (short waves) with the sqrt(coth) blend of Fenton & McKee (1990). The relative error
+    is below 1e-14 for every y.
     """
+    if current:
+        return _on_current(np.asarray(omega, dtype=float), depth, gravity, current)
     y = np.square(np.asarray(omega, dtype=float)) * depth / gravity
     positive = np.where(y > 0, y, 1.0)
     x = positive / np.tanh(positive**0.75) ** (2.0 / 3.0)
@@ -25,6 +29,20 @@ def wave_number(omega: ArrayLike, depth: float, gravity: float = GRAVITY) -> Arr
         tanh = np.tanh(x)
         x = x - (x * tanh - positive) / (tanh + x * (1 - tanh) * (1 + tanh))
     return np.asarray(np.where(y > 0, x / depth, 0.0))
+
+
+def _on_current(omega: Array, depth: float, gravity: float, current: float) -> Array:
+    """The smaller root of omega - k U - sigma(k), convex in k: Newton's method from k = 0 comes to it from below."""
+    k = np.zeros_like(omega)
+    for _ in range(60):
+        slope = current + group_velocity(k, depth, gravity)
+        left = omega - k * current - frequency(k, depth, gravity)
+        step = np.divide(left, slope, out=np.full_like(k, np.nan), where=slope > 0)
+        k = k + step
+        if not np.any(np.abs(step) > 4e-16 * k):
+            break
+    stopped = ~(np.abs(omega - k * current - frequency(k, depth, gravity)) <= 1e-10 * omega)
+    return np.where(stopped & (omega > 0), np.nan, k)
 
 
 def frequency(k: ArrayLike, depth: float, gravity: float = GRAVITY) -> Array:

@@ -6,6 +6,7 @@ implicit drag with the pressure: it limits no time step.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, log, pi, sqrt
 from typing import Protocol
@@ -13,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from houle.grid import Faces, FloatArray, Grid
-from houle.waves.dispersion import group_velocity
+from houle.waves.dispersion import frequency, group_velocity
 from houle.waves.finite import SHARPNESS
 from houle.waves.finite_source import REACH, FiniteSource
 from houle.waves.table import Source, Waves, Zone
@@ -63,7 +64,14 @@ class InternalSource:
 
     @classmethod
     def of(
-        cls, table: Source, parts: Components, wave: Wave, grid: Grid, duration: float, width: float
+        cls,
+        table: Source,
+        parts: Components,
+        wave: Wave,
+        grid: Grid,
+        duration: float,
+        width: float,
+        current: float = 0.0,
     ) -> InternalSource:
         h, count = grid.spacing[0], grid.shape[0]
         beta = SHARPNESS / width**2
@@ -74,9 +82,11 @@ class InternalSource:
         k_x, k_y = parts.k * np.cos(parts.direction), parts.k * np.sin(parts.direction)
         reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I, the strength of G at k_x
         height = 2 * parts.amplitude
-        speed = _speed(table.form, parts, wave.depth, wave.gravity)
+        speed, sigma = _speed(table.form, parts, wave.depth, wave.gravity), parts.omega
+        if current:  # the push oscillates with sigma for the water that runs through it, the energy leaves with c_g + U
+            speed, sigma = speed + current * np.cos(parts.direction), frequency(parts.k, wave.depth, wave.gravity)
         strength = height * speed * np.cos(parts.direction) / reach  # D of (5)
-        size = wave.gravity * strength / parts.omega
+        size = wave.gravity * strength / sigma
         sign = {"both": 0.0, "right": 1.0, "left": -1.0}[table.side]
         if sign:
             size = size / 2
@@ -127,8 +137,9 @@ class RelaxationZone:
     """The flow is led towards the wave, the harder the further in: du/dt = ... + sigma (u_wave - u).
 
     What comes back from the structure is damped on its way in; sigma grows with the cube of the way over two thirds of
-    the zone, gently enough to send little back. The zone begins at a wall, which the wave of theory
-    would cross: over the first part the wave grows from nothing, so that the water it needs comes from the level there.
+    the zone, gently enough to send little back. Where the zone begins at a wall, the wave of theory
+    would cross it: over the first part the wave grows from nothing, so that the water it needs comes from the level
+    there. An open side lets it pass.
 
     first, last   faces of axis 0 and cells it covers (slices)
     """
@@ -139,7 +150,7 @@ class RelaxationZone:
     x: tuple[FloatArray, FloatArray]  # of the faces of axis 0, of the cell centres [m]
     z: tuple[FloatArray, FloatArray]  # of the centres and of the faces of the last axis [m]
     sigma: tuple[FloatArray, FloatArray]  # on faces and centres [1/s]
-    share: tuple[FloatArray, FloatArray]  # of the wave, 0 at the wall
+    share: tuple[FloatArray, FloatArray]  # of the wave, 0 at a wall
     duration: float
 
     def push(self, t: float, acceleration: Faces) -> None:
@@ -152,7 +163,7 @@ class RelaxationZone:
             acceleration[axis][where] += force[:, None, :] if acceleration[axis].ndim == 3 else force
 
     @classmethod
-    def of(cls, table: Zone, wave: Wave, grid: Grid, duration: float) -> RelaxationZone:
+    def of(cls, table: Zone, wave: Wave, grid: Grid, duration: float, wall: bool = True) -> RelaxationZone:
         start, end = table.x
         h, n = grid.spacing[0], grid.shape[0]
         if grid.dimension == 3 and wave.direction:
@@ -163,7 +174,7 @@ class RelaxationZone:
         most = FIRMNESS * damping(wave.group_velocity, 2 * (end - start) / 3)
         inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its start
         at_faces, at_centres = (most * np.clip(1.5 * s, 0, 1) ** 3 for s in inwards)
-        grown_faces, grown_centres = (smooth(3 * (1 - s)) for s in inwards)
+        grown_faces, grown_centres = (smooth(3 * (1 - s)) if wall else np.ones_like(s) for s in inwards)
         up = grid.dimension - 1
         return cls(
             wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
@@ -178,6 +189,26 @@ class RelaxationZone:
         for axis, r in enumerate(rate):
             where, sigma = (self.faces, self.sigma[0]) if axis == 0 else (self.cells, self.sigma[1])
             r[where] += sigma.reshape((-1,) + (1,) * last)
+
+
+@dataclass
+class Stream:
+    """Leads what zones and sponges damp towards the current, which they would slow down: du/dt = ... + sigma U.
+
+    rate       of the faces along x, what damps [1/s]
+    depth      of the water at these faces (nx + 1, [ny]) [m]
+    discharge  towards larger x at a time [s], per width [m2/s]
+    """
+
+    rate: FloatArray
+    depth: FloatArray
+    discharge: Callable[[float], float]
+
+    def push(self, t: float, acceleration: Faces) -> None:
+        acceleration[0] += self.rate * (self.discharge(t) / self.depth)[..., None]
+
+    def resist(self, rate: Faces) -> None:
+        """It damps nothing of its own."""
 
 
 def smooth(s: FloatArray) -> FloatArray:
@@ -232,14 +263,16 @@ def require_source(table: Waves, wave: Wave) -> None:
         FiniteSource.force(wave, source_width(table.maker, table.kind, wave), table.maker.side)
 
 
-def make_maker(table: Waves, wave: Wave, grid: Grid) -> InternalSource | FiniteSource | RelaxationZone:
-    """The maker that the table asks for. Raises WaveError."""
+def make_maker(
+    table: Waves, wave: Wave, grid: Grid, wall: bool = True
+) -> InternalSource | FiniteSource | RelaxationZone:
+    """The maker that the table asks for; `wall`: at the left side, not an open one. Raises WaveError."""
     maker = table.maker
     if isinstance(maker, Zone):
-        return RelaxationZone.of(maker, wave, grid, table.ramp_time())
+        return RelaxationZone.of(maker, wave, grid, table.ramp_time(), wall)
     parts, width = oscillations(wave, table.kind), source_width(maker, table.kind, wave)
     if is_finite(table, parts):
         return FiniteSource.of(wave, grid, maker.x, width, maker.side, table.ramp_time())
     if table.kind == "regular":
         parts = Components(*(getattr(parts, f)[:1] for f in ("amplitude", "omega", "k", "phase", "direction")))
-    return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), width)
+    return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), width, table.current)

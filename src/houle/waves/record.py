@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from houle.csv_table import read_columns
 from houle.waves import dispersion
+from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components, WaveError
 
@@ -41,6 +42,7 @@ def series(
     direction: float = 0.0,
     place: float = 0.0,
     tolerance: float = TOLERANCE,
+    current: float = 0.0,
 ) -> Linear:
     """The wave whose elevation at x = `place` [m] is the record: times (N,) rising [s], elevations (N,) [m].
 
@@ -62,10 +64,10 @@ def series(
     energy = size**2 * np.where(np.arange(len(size)) == 0, 1.0, 0.5)
     kept = np.sort(_largest(energy, tolerance))
     omega: Array = np.asarray(2 * np.pi / (len(samples) * dt) * kept, dtype=float)
-    k = dispersion.wave_number(omega, depth, gravity)
+    k = wave_number(omega, depth, gravity, current)
     phase = np.asarray(omega * t[0] - np.angle(spectrum[kept]) - k * place)  # cos(k x - omega t + phase)
     peak = 2 * np.pi / float(omega[np.argmax(np.where(omega > 0, size[kept], 0))])
-    peak_k = dispersion.wave_number(2 * np.pi / peak, depth, gravity)
+    peak_k = wave_number(2 * np.pi / peak, depth, gravity, current)
     return Linear(
         name="series",
         reason="",
@@ -73,8 +75,8 @@ def series(
         period=peak,
         length=float(2 * np.pi / peak_k),
         depth=depth,
-        celerity=float(dispersion.celerity(peak_k, depth, gravity)),
-        group_velocity=float(dispersion.group_velocity(peak_k, depth, gravity)),
+        celerity=float(dispersion.celerity(peak_k, depth, gravity)) + current,
+        group_velocity=float(dispersion.group_velocity(peak_k, depth, gravity)) + current,
         gravity=gravity,
         phase=0.0,
         direction=direction,

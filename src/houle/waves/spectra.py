@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from houle.waves import dispersion
+from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components
 
@@ -75,9 +76,16 @@ def cells(
 
 
 def _linear(
-    name: str, height: float, period: float, depth: float, gravity: float, parts: Components, highest: float
+    name: str,
+    height: float,
+    period: float,
+    depth: float,
+    gravity: float,
+    parts: Components,
+    highest: float,
+    current: float,
 ) -> Linear:
-    k = dispersion.wave_number(2 * np.pi / period, depth, gravity)
+    k = float(wave_number(2 * np.pi / period, depth, gravity, current))
     return Linear(
         name=name,
         reason="",
@@ -85,8 +93,8 @@ def _linear(
         period=period,
         length=float(2 * np.pi / k),
         depth=depth,
-        celerity=float(dispersion.celerity(k, depth, gravity)),
-        group_velocity=float(dispersion.group_velocity(k, depth, gravity)),
+        celerity=float(dispersion.celerity(k, depth, gravity)) + current,
+        group_velocity=float(dispersion.group_velocity(k, depth, gravity)) + current,
         gravity=gravity,
         phase=0.0,
         direction=float(parts.direction[0]),
@@ -105,6 +113,7 @@ def irregular(
     seed: int = 1,
     gamma: float = GAMMA,
     count: int = COUNT,
+    current: float = 0.0,
 ) -> Linear:
     """A long-crested random sea of significant height Hm0 [m] and peak period [s].
 
@@ -116,9 +125,9 @@ def irregular(
     amplitude = np.sqrt(2 * c.energy) * height / 4
     phase = draw.random(count) * 2 * np.pi
     omega = 2 * np.pi * c.f
-    k = dispersion.wave_number(omega, depth, gravity)
+    k = wave_number(omega, depth, gravity, current)
     parts = Components(amplitude, omega, k, phase, np.full(count, direction))
-    return _linear(kind, height, period, depth, gravity, parts, 0.6 * HIGHEST * height)
+    return _linear(kind, height, period, depth, gravity, parts, 0.6 * HIGHEST * height, current)
 
 
 def focused(
@@ -132,6 +141,7 @@ def focused(
     seed: int = 1,
     gamma: float = GAMMA,
     count: int = COUNT,
+    current: float = 0.0,
 ) -> Linear:
     """NewWave: the most probable shape around a high crest of a JONSWAP sea, its autocorrelation.
 
@@ -140,6 +150,6 @@ def focused(
     """
     c = cells("jonswap", period, gamma, depth, gravity, count, np.random.Generator(np.random.PCG64(seed)))
     omega = 2 * np.pi * c.f
-    k = dispersion.wave_number(omega, depth, gravity)
+    k = wave_number(omega, depth, gravity, current)
     parts = Components(height * c.energy, omega, k, omega * time - k * x, np.full(count, direction))
-    return _linear("focused", height, period, depth, gravity, parts, height)
+    return _linear("focused", height, period, depth, gravity, parts, height, current)

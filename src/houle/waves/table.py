@@ -6,7 +6,7 @@ tables/; `case_errors.explain` puts the table's name before it.
 
 from __future__ import annotations
 
-from math import radians
+from math import cos, radians
 from pathlib import Path
 from typing import Any, Literal
 
@@ -15,6 +15,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from houle.tables.base import Point2, Table
 from houle.waves import record, spectra, theories
 from houle.waves.cnoidal import solitary
+from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
 from houle.waves.wave import Wave
 
@@ -104,6 +105,13 @@ class Waves(Table):
     direction: float = Field(
         default=0.0, gt=-90, lt=90, description="direction of travel from the x axis, 3D only [degrees]"
     )
+    current: float = Field(
+        default=0.0,
+        ge=-20,
+        le=20,
+        description="of the water that carries the waves, uniform over the depth, towards larger x; period is that "
+        "seen from the bed [m/s]",
+    )
     seed: int = Field(default=1, ge=0, description="of the random phases and frequencies: same seed, same sea")
     gamma: float = Field(default=spectra.GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
     file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
@@ -132,6 +140,11 @@ class Waves(Table):
         if len(given) != 1:
             held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
             found.append(f": {held}; give exactly one of source = {{x = ...}}, zone = {{x = [from, to]}}")
+        if self.current and self.source is not None and (self.source.side, self.source.form) != ("both", "linear"):
+            found.append(
+                f'current = {self.current:g}: a source makes waves on a current with side = "both", form = "linear" '
+                "only; or take zone = {x = [from, to]}"
+            )
         if self.height is not None and self.kind != "series" and self.height > self.depth:
             found.append(
                 f"height = {self.height:g} is above depth = {self.depth:g} m: no wave stands higher than 0.83 depths; "
@@ -183,19 +196,26 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
     crest of a solitary wave comes to its focus, or starts well before the maker.
     """
     angle = radians(table.direction)
+    current = table.current * cos(angle)
     if table.kind == "series":
         time, eta = record.read(folder / str(table.file))
-        return record.series(time, eta, table.depth, gravity, angle, place=table.start)
+        return record.series(time, eta, table.depth, gravity, angle, place=table.start, current=current)
     height, period = float(table.height or 0), float(table.period or 0)
     if table.kind == "regular":
-        return theories.regular(table.theory, height, period, table.depth, gravity, 0.0, angle)
+        return carried(
+            lambda t: theories.regular(table.theory, height, t, table.depth, gravity, 0.0, angle),
+            period,
+            table.depth,
+            gravity,
+            current,
+        )
     if table.kind == "solitary":
         order = 3 if table.theory == "solitary-3" else 5
-        wave = solitary(height, table.depth, gravity, 0.0, angle, order)
+        wave = moved(solitary(height, table.depth, gravity, 0.0, angle, order), current)
         crest = table.start - ARRIVES * wave.length / 2
         if table.focus is not None:
             crest = table.focus.x - wave.celerity * table.focus.time
-        return solitary(height, table.depth, gravity, crest, angle, order)
+        return moved(solitary(height, table.depth, gravity, crest, angle, order), current)
     if table.kind == "focused" and table.focus is not None:
         return spectra.focused(
             height,
@@ -207,5 +227,8 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
             angle,
             table.seed,
             table.gamma,
+            current=current,
         )
-    return spectra.irregular(table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma)
+    return spectra.irregular(
+        table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma, current=current
+    )
