@@ -26,7 +26,7 @@ LAYERS = (
     {"analysis"},
     {"progress", "recorder", "bundle", "session", "preflight", "wave_report"}
     | {"reflection", "twin", "summary", "runner"},
-    {"validation", "bench", "check_report", "describe", "new"},
+    {"validation", "reproduction", "bench", "check_report", "describe", "new"},
     {"cli"},
 )
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}

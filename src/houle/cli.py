@@ -161,6 +161,36 @@ def validate(
 
 @app.command()
 @ending
+def reproduce(
+    paper: Annotated[str, typer.Argument(metavar="PAPER", help="jh2020")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of runs and page; reproduction-PAPER when left out.")
+    ] = None,
+    page: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the page here, its figures beside it, not into DIR.")
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="The main runs on coarser grids, some minutes.")] = False,
+    spacing: Annotated[float | None, typer.Option(help="Grid spacing of all runs [m].")] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Only this run; wave-* for several. Repeatable.")
+    ] = None,
+    threads: Threads = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing while it works.")] = False,
+) -> None:
+    """Compute a paper again: its figures and its table, with what can and what cannot be reproduced.
+
+    Runs that lie finished in DIR are not run again, interrupted ones go on. Status 3 if one failed.
+    """
+    from houle.reproduction import reproduce as compute
+
+    status = compute(
+        paper, out, file=page, quick=quick, spacing=spacing, only=only or (), threads=threads, progress=not quiet
+    )
+    raise typer.Exit(status)
+
+
+@app.command()
+@ending
 def bench(
     threads: Threads = None,
     large: Annotated[bool, typer.Option("--large", help="Also with a million particles, 2D and 3D.")] = False,

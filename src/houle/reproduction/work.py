@@ -1,0 +1,69 @@
+"""Computes the runs of a plan one after another, each once: what lies finished in the folder is not run again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+from houle.case import Case
+from houle.errors import CaseError, SimulationError
+from houle.preflight import price
+from houle.progress import Silent, duration
+from houle.reproduction.plan import Job
+from houle.runner import Run, open_run, resume, run
+
+RUNS = "runs"
+
+
+@dataclass
+class Done:
+    """Finished runs by the name of their job, and why others failed."""
+
+    runs: dict[str, Run] = field(default_factory=dict)
+    failed: dict[str, str] = field(default_factory=dict)
+
+
+def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, threads: int | None, says: Silent, progress: bool) -> Done:
+    """Runs what is not there, goes on with what was interrupted; a run that fails does not stop the others.
+
+    The folder of a run is named after the job and the hash of its case, so that another spacing, or a new version of
+    the case, does not meet an old result. Raises what houle.run raises but SimulationError.
+    """
+    done = Done()
+    places = {job.name: folder / RUNS / f"{job.name}-{case.hash[:8]}" for job, case in jobs}
+    left = {job.name: price(case).minutes for job, case in jobs if not finished(places[job.name])}
+    pace: float | None = None  # seconds of wall time for a minute of the price
+    spent = bought = 0.0
+    for number, (job, case) in enumerate(jobs, start=1):
+        place, head = places[job.name], f"run {number} of {len(jobs)}, {job.name}"
+        if job.name not in left:
+            says.say(f"houle: {head}: is there")
+            done.runs[job.name] = open_run(place)
+            continue
+        rest = "" if pace is None else f"; all that is left: about {duration(pace * sum(left.values()))}"
+        says.say(f"houle: {head}, spacing {1e3 * case.domain.spacing:g} mm{rest}")
+        start = perf_counter()
+        try:
+            done.runs[job.name] = one(case, place, threads, progress)
+        except SimulationError as error:
+            says.say(f"warning: {job.name} failed: {error}")
+            done.failed[job.name] = str(error).splitlines()[0]
+        spent, bought = spent + perf_counter() - start, bought + left.pop(job.name)
+        pace = spent / bought
+    return done
+
+
+def finished(place: Path) -> bool:
+    return (place / "run.json").exists() and bool(open_run(place).manifest["finished"])
+
+
+def one(case: Case, place: Path, threads: int | None, progress: bool) -> Run:
+    """The run in this folder, from its newest checkpoint if there is one."""
+    if (place / "run.json").exists():
+        try:
+            return resume(place, threads=threads, progress=progress)
+        except CaseError as error:
+            raise CaseError(f"{error}\nTo compute it anew, remove {place}") from None
+    return run(case, out=place, threads=threads, progress=progress)
