@@ -16,7 +16,8 @@ CORE = ROOT / "core"
 LAYERS = (
     {"_core", "errors"},
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
-    {"resistance", "porous", "seeding", "columns", "remesh", "viscosity", "workspace", "tables", "waves", "sides"},
+    {"resistance", "porous", "seeding", "columns", "room", "remesh", "viscosity", "workspace"}
+    | {"tables", "waves", "sides"},
     {"flow", "driven", "transfer", "ledger"},
     {"operations", "remeshing", "observe", "exchange"},
     {"step"},
@@ -25,7 +26,7 @@ LAYERS = (
     {"output"},
     {"analysis"},
     {"progress", "recorder", "bundle", "session", "preflight", "wave_report"}
-    | {"reflection", "twin", "summary", "runner"},
+    | {"reflection", "wave_energy", "twin", "summary", "runner"},
     {"validation", "reproduction", "bench", "check_report", "describe", "new"},
     {"cli"},
 )

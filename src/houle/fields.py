@@ -149,7 +149,14 @@ FIELDS: tuple[Field, ...] = (
         for axis in "xyz"
     ),
     Field("kinetic_energy", "E_k", "J", "run", "kinetic energy of the water, added mass included", unit_2d="J m-1"),
-    Field("potential_energy", "E_p", "J", "run", "potential energy of the water above z = 0", unit_2d="J m-1"),
+    Field(
+        "potential_energy",
+        "E_p",
+        "J",
+        "run",
+        "potential energy of the water above z = 0; with [waves] that of the levels of its columns",
+        unit_2d="J m-1",
+    ),
     Field("drag_work", "W_d", "J", "run", "energy lost to the porous drag since the start", unit_2d="J m-1"),
     Field("viscous_work", "W_\\nu", "J", "run", "energy lost to viscosity since the start", unit_2d="J m-1"),
     Field(

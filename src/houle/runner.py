@@ -105,7 +105,7 @@ def resume(
 
 def finish(session: Session, until: float | None, progress: bool) -> Run:
     """Marches, then leaves pictures, the score against the laboratory and run.json; prints the summary."""
-    from houle import reflection, summary, twin
+    from houle import reflection, summary, twin, wave_energy
     from houle.output import write_manifest
 
     at_end = session.march(until)
@@ -114,7 +114,7 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
         draw(run, session)
     more = {"reference": score} if (score := summary.reference(run)) else {}
     if at_end:
-        more |= reflection.record(run)
+        more |= reflection.record(run) | wave_energy.record(run)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     if "reflection" in more:
         with session.clock.stage("wave quality"):

@@ -25,6 +25,7 @@ from houle.porous import Medium, PorousBody
 from houle.remesh import STRATEGIES
 from houle.remeshing import Remeshing
 from houle.resistance import coefficients, inertia_coefficient
+from houle.room import Room
 from houle.seeding import seed
 from houle.sides import OpenSide
 from houle.step import STEPS
@@ -236,9 +237,9 @@ class Simulation:
         row = {
             "volume": volume,
             "volume_drift": self.volume_drift,
-            "mean_level": self._mean_level(),
+            "mean_level": self._room.mean_level(flow.eta),
             "kinetic_energy": rho * flow.kinetic_energy(),
-            "potential_energy": rho * flow.potential_energy(),
+            "potential_energy": rho * self._potential_energy(),
             "drag_work": rho * ledger.drag_work,
             "viscous_work": rho * ledger.viscous_work,
             "sponge_work": rho * ledger.sponge_work,
@@ -260,20 +261,16 @@ class Simulation:
             row[name] = float(ledger.notes.get(name, 0.0))
         return {k: np.asarray(v, float) for k, v in row.items()}
 
-    def _mean_level(self) -> float:
-        """Water under the free surface, in its pores, over the plan area [m]: the volume as the surface shows it."""
-        below, eta = self._room_below, self.flow.eta.ravel()
-        wet = np.flatnonzero(eta > 0.0)  # not where it is NaN, dry
-        top = np.minimum(eta[wet] / self.grid.spacing[-1], below.shape[1] - 1.0)  # [cells]
-        cell = np.minimum(top.astype(int), below.shape[1] - 2)
-        under = below[wet, cell]
-        return float(np.sum(under + (top - cell) * (below[wet, cell + 1] - under))) / eta.size
+    def _potential_energy(self) -> float:
+        """Of waves that of the levels: how the particles are packed does not count; else that of the particles."""
+        *along, down = self.flow.gravity
+        if self.case.waves is None or any(along):
+            return self.flow.potential_energy()
+        return -down * self._room.height_moment(self.flow.eta)
 
     @cached_property
-    def _room_below(self) -> FloatArray:
-        """Height [m] of the water that fills each column up to its faces (columns, nz + 1)."""
-        room = (self.medium.porosity * self.medium.open_cells).reshape(-1, self.grid.shape[-1])
-        return np.pad(np.cumsum(room, axis=1), ((0, 0), (1, 0))) * self.grid.spacing[-1]
+    def _room(self) -> Room:
+        return Room.of(self.grid, self.medium)
 
     def frame(self) -> Frame:
         """Everything the writers and the pictures need of this instant, as copies."""

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from houle import laboratory, reflection, twin
+from houle import laboratory, reflection, twin, wave_energy
 from houle.progress import duration
 
 if TYPE_CHECKING:
@@ -55,8 +55,21 @@ def operations(summary: dict[str, Any]) -> Rows:
 
 
 def energy(summary: dict[str, Any]) -> Rows:
-    """The energy budget since the start [J], per metre of width in 2D."""
-    return [(name.replace("_", " "), f"{value:+.4g}") for name, value in summary["energy"].items()]
+    """The energy budget since the start [J], per metre of width in 2D.
+
+    With waves without the operations of the steps: they know the potential energy of the particles, which changes with
+    their packing, and not that of the levels.
+    """
+    waves = "wave_energy" in summary
+    shown = {n: value for n, value in summary["energy"].items() if not (waves and n.startswith("energy_"))}
+    return [(name.replace("_", " "), f"{value:+.4g}") for name, value in shown.items()]
+
+
+def waves(summary: dict[str, Any]) -> tuple[str, Rows]:
+    """Title and rows of the energy budget of waves."""
+    entry = summary.get("wave_energy") or {}
+    over = f" (mean of the last {entry['periods']} periods)" if entry else ""
+    return f"Energy of the waves{over}", wave_energy.rows(entry)
 
 
 def against_laboratory(summary: dict[str, Any]) -> Rows:
@@ -78,6 +91,7 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         ("Run", overview(summary)),
         ("Where the time went", operations(summary)),
         ("Energy [J] (per metre of width in 2D)", energy(summary)),
+        waves(summary),
         (f"Surface, rms against {label}", against_laboratory(summary)),
         ("Reflection", reflection.rows(found) if (found := summary.get("reflection")) else []),
         (

@@ -106,14 +106,17 @@ def _power_of_ten(largest: float) -> int:
 
 
 def _energies(series: Data) -> Curves:
-    """Change of kinetic, potential and total energy, and what was lost on purpose (downwards)."""
+    """Change of kinetic, potential and total energy, what makers gave, and what was lost on purpose (downwards)."""
     if "kinetic_energy" not in series or "potential_energy" not in series:
         return {}
     kinetic, potential = (series[f"{kind}_energy"].values for kind in ("kinetic", "potential"))
     kinetic, potential = kinetic - kinetic[0], potential - potential[0]
     lost = {"lost to drag": "drag_work", "lost to viscosity": "viscous_work"}
     curves = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
-    return curves | {words: -values for words, values in _named(series, lost).items()}
+    curves |= {words: -values for words, values in _named(series, lost).items()}
+    if "source_work" in series and series["source_work"].values.any():
+        curves |= {"from the maker": series["source_work"].values, "to the sponges": -series["sponge_work"].values}
+    return curves
 
 
 def _named(series: Data, names: dict[str, str]) -> Curves:

@@ -117,6 +117,28 @@ def empty(period: float, height: float, lengths: float = 5.0, depth: float = 0.2
     }
 
 
+def one_sided(period: float, height: float, lengths: float = 5.0, depth: float = 0.25) -> dict[str, Any]:
+    """The flume of `empty` with an internal source that sends its waves to the right, and a sponge behind it."""
+    wave = regular("auto", height, period, depth, GRAVITY, 0.0, 0.0)
+    behind = _up(1.25 * wave.length)
+    source = _round(behind + 0.8 * wave.length)  # acts over 0.75 wavelengths to each side
+    flume = empty(period, height, lengths, depth)
+    shift = _round(source + 1.25 * wave.length - flume["gauge"][0]["x"])
+    end, top = _up(flume["domain.size"][0] + shift), flume["domain.size"][1]
+    last = flume["gauge"][-1]["x"] + shift
+    return {
+        **flume,
+        "domain.size": [end, top],
+        "waves": {**flume["waves"], "zone": None, "source": {"x": source, "side": "right"}},
+        "gauge": [{"name": gauge["name"], "x": _round(gauge["x"] + shift)} for gauge in flume["gauge"]],
+        "sponge": [
+            {"name": "behind", "box": [[0.0, 0.0], [behind, top]]},
+            {"name": "end", "box": [[_round(end - 1.5 * wave.length), 0.0], [end, top]]},
+        ],
+        "time.end": _up((last - source) / wave.group_velocity + (RAMP_SETTLE + PERIODS + 0.2) * period),
+    }
+
+
 def two_sided(period: float, height: float, depth: float = 0.25) -> dict[str, Any]:
     """An internal source of the usual width in the middle of an empty flume, 1.2 wavelengths of gauges to each side."""
     wave = regular("auto", height, period, depth, GRAVITY, 0.0, 0.0)

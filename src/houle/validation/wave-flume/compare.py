@@ -10,7 +10,7 @@ from houle import analysis, reflection
 from houle.grid import FloatArray
 from houle.reflection import first_harmonic, wave_of
 from houle.validation.check import Check, Variant, report
-from houle.validation.flume import PERIODS, empty, two_sided, wall
+from houle.validation.flume import PERIODS, empty, one_sided, two_sided, wall
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
@@ -28,6 +28,8 @@ VARIANTS = (
     Variant("dx-5-mm", {"domain.spacing": 0.005}, quick=False),
     Variant("H-80-mm", empty(1.2, 0.08), quick=False),
     Variant("H-80-mm-dx-20-mm", {**empty(1.2, 0.08), "domain.spacing": 0.02}, quick=False),
+    Variant("source-H-80-mm", one_sided(1.2, 0.08), quick=False),
+    Variant("source-H-80-mm-dx-20-mm", {**one_sided(1.2, 0.08), "domain.spacing": 0.02}, quick=False),
     Variant("wall", {**wall(1.2, 0.02), "domain.spacing": 0.02}),
     *(
         Variant(f"source-T-{period:g}-s", {**two_sided(period, 0.01), "domain.spacing": 0.02}, quick=period == 1.0)
@@ -42,7 +44,8 @@ def compare(run: Run) -> list[Check]:
     drift = Check("volume drift", largest(run.series.volume_drift), "-", 1e-12)
     if run.case.reflection is not None:
         return [*_at_wall(run), drift]
-    return [*(_travelling(run) if waves.source is None else _from_source(run)), drift]
+    both = waves.source is not None and waves.source.side == "both"
+    return [*(_from_source(run) if both else _travelling(run)), drift]
 
 
 def _at_wall(run: Run) -> list[Check]:
@@ -58,7 +61,7 @@ def _at_wall(run: Run) -> list[Check]:
 
 
 def _travelling(run: Run) -> list[Check]:
-    """Waves that have left the zone."""
+    """Waves that have left the maker to the right."""
     wave, card = wave_of(run.case), _card(run, [gauge.name for gauge in run.case.gauge], 1.0)
     fine, steep = run.case.domain.spacing < 0.011, wave.height > 0.05
     return [
@@ -66,10 +69,11 @@ def _travelling(run: Run) -> list[Check]:
         Check("decay per wavelength", 100 * card.decay, "%", DECAY if fine and not steep else None),
         Check("celerity off Fenton", 100 * abs(card.celerity), "%", CELERITY if not steep else None),
         Check("rms distance from Fenton, of H", 100 * _shape_error(run, wave), "%", SHAPE, note="phase fitted"),
+        *_second_harmonic(run, wave),
         Check("reflection of the sponge", 100 * card.reflection, "%", SPURIOUS),
         Check("mean level, drift in the window", 1e3 * abs(card.drift), "mm", LEVEL),
         report("mean level off still water", 1e3 * card.set_down, "mm"),
-        Check("energy lost in numbers, per wavelength", 100 * _loss(run, wave), "%", LOSS),
+        Check("energy lost in numbers, per wavelength", 100 * _lost(run), "%", LOSS),
     ]
 
 
@@ -82,6 +86,7 @@ def _from_source(run: Run) -> list[Check]:
         Check("height to the right over the target", 100 * abs(right.height / right.target - 1), "%", HEIGHT),
         Check("height to the left over the target", 100 * abs(left.height / left.target - 1), "%", HEIGHT),
         Check("left over right", 100 * abs(left.height / right.height - 1), "%", SIDES),
+        Check("energy lost in numbers, per wavelength", 100 * _lost(run), "%", LOSS),
         Check("reflection of the right sponge", 100 * right.reflection, "%", SPURIOUS),
         Check("reflection of the left sponge", 100 * left.reflection, "%", SPURIOUS),
         Check("mean level, drift in the window", 1e3 * max(abs(right.drift), abs(left.drift)), "mm", LEVEL),
@@ -124,15 +129,26 @@ def _shape_error(run: Run, wave: Wave) -> float:
     return min(distance(s) for s in shifts) / wave.height
 
 
-def _loss(run: Run, wave: Wave) -> float:
-    """Part of the energy flux that neither sponges nor viscosity took, per wavelength of free flume."""
+def _second_harmonic(run: Run, wave: Wave) -> list[Check]:
+    """Amplitudes of the part that is bound to the first, running with it, and of free waves of twice the frequency."""
+    parts = wave.components()
+    if parts is None or len(parts.k) < 2:
+        return []
     start, end = _window(run, wave)
-    s = run.series.interp(time=[start, end])
-    gained = {n: float(s[n][1] - s[n][0]) for n in ("source_work", "sponge_work", "viscous_work", "drag_work")}
-    stored = float((s.kinetic_energy + s.potential_energy).diff("time")[0])
-    lost = gained["source_work"] - gained["sponge_work"] - gained["viscous_work"] - gained["drag_work"] - stored
-    fluid, case = run.case.fluid, run.case
-    flux = fluid.density * fluid.gravity * wave.height**2 / 8 * wave.group_velocity
-    assert case.waves is not None and case.waves.zone is not None
-    free = case.sponge[0].box[0][0] - max(case.waves.zone.x)
-    return lost / (flux * (end - start)) / (free / wave.length)
+    late = run.series.sel(time=slice(start, end))
+    eta, x = late.eta.transpose("gauge", "time").values, late.gauge_x.values
+    second = analysis.harmonics(late.time.values, eta, wave.omega)[:, 2]
+    free = float(analysis.wave_number(2 * wave.omega, wave.depth))
+    waves = np.exp(1j * np.outer(x, [2 * wave.k, free, -free]))
+    bound, along, back = np.abs(np.linalg.lstsq(waves, second, rcond=None)[0]) / wave.height
+    return [
+        report(
+            "bound second harmonic, of H", 100 * bound, "%", note=f"Fenton {100 * parts.amplitude[1] / wave.height:.2f}"
+        ),
+        report("free second harmonic, of H", 100 * along, "%", note=f"and {100 * back:.2f} % from the sponge"),
+    ]
+
+
+def _lost(run: Run) -> float:
+    """Part of the energy of the waves that neither sponges nor viscosity took, per wavelength."""
+    return float(run.summary["wave_energy"]["lost_per_wavelength"])
