@@ -77,6 +77,7 @@ class Flow:
         self.makers: list[Maker] = []  # of waves
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.push: Faces = []  # their accelerations [m/s2]
+        self.pushed: dict[int, slice] = {}  # axes of the faces that they push, and which along x
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
         self.linear = medium.darcy  # that with the structure's [1/s]
         self.open_faces = medium.open_faces  # replaced by copies where gates close some

@@ -12,6 +12,7 @@ from houle.grid import FloatArray
 from houle.ledger import Ledger
 from houle.sides import OpenSide
 from houle.transfer import Transfer
+from houle.waves.makers import Maker
 
 LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
 LEAST_DEPTH_CORRECTION = 0.2
@@ -114,14 +115,27 @@ def make_waves(flow: Flow) -> None:
     """Accelerations of the wave makers, on top of the viscous ones."""
     if not flow.makers:
         return
-    flow.push = flow.push or flow.grid.faces()
-    for f in flow.push:
-        f[...] = 0.0
+    if not flow.push:
+        flow.push, flow.pushed = flow.grid.faces(), _touched(flow.makers)
+    for axis, where in flow.pushed.items():
+        flow.push[axis][where] = 0.0
     for maker in flow.makers:
         maker.push(flow.time, flow.push)
-    for f, more in zip(flow.extra, flow.push, strict=False):
-        f += more
-    flow.extra = flow.extra or flow.push
+    if flow.extra:
+        for axis, where in flow.pushed.items():
+            flow.extra[axis][where] += flow.push[axis][where]
+    else:
+        flow.extra = flow.push
+
+
+def _touched(makers: list[Maker]) -> dict[int, slice]:
+    """Axes of the faces that any of them pushes, and from which to which along x."""
+    found: dict[int, slice] = {}
+    for maker in makers:
+        for axis, s in maker.touches().items():
+            before = found.get(axis, s)
+            found[axis] = slice(min(before.start, s.start), max(before.stop, s.stop))
+    return found
 
 
 def drive(flow: Flow, dt: float) -> None:
@@ -190,9 +204,10 @@ def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
         sponge = sum(_core.face_drag_work(*part) for part in parts)
         ledger.sponge_work += sponge
         ledger.drag_work -= sponge
-    if flow.push:
-        each = zip(flow.work.face_mass, inertia, flow.work.mobility, flow.push, old, new, strict=True)
-        ledger.source_work += sum(float(np.sum(m * j * k * f * (u0 + u1))) for m, j, k, f, u0, u1 in each) / 2
+    for axis, where in flow.pushed.items():
+        fields = (flow.work.face_mass, inertia, flow.work.mobility, flow.push, old, new)
+        m, j, k, f, u0, u1 = (field[axis][where] for field in fields)
+        ledger.source_work += float(np.sum(m * j * k * f * (u0 + u1))) / 2
     for plane in flow.driven:
         if isinstance(plane, OpenSide):
             ledger.open_work += dt * plane.power(flow)

@@ -65,6 +65,10 @@ class FiniteSource:
     def resist(self, rate: Faces) -> None:
         """It damps nothing."""
 
+    def touches(self) -> dict[int, slice]:
+        across = {1: slice(self.first, self.first + len(self.along_y))} if self.along_y.size else {}
+        return {0: slice(self.first, self.first + len(self.along_x))} | across
+
     def push(self, t: float, acceleration: Faces) -> None:
         force = self._force(self.along_x, self.phase[0], t)
         here = acceleration[0][self.first : self.first + len(force)]

@@ -74,10 +74,15 @@ class Linear(Wave):
     def velocity_on(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
         cos, sin = self._columns(np.asarray(x, dtype=float), t)
         cosh, sinh = profiles(self.parts.k, self._level(np.asarray(z, dtype=float)), self.depth)
-        return (
-            np.einsum("xj,zj->xz", cos, cosh, optimize=False),
-            np.einsum("xj,zj->xz", sin, sinh, optimize=False),
-        )
+        return _product(cos, cosh), _product(sin, sinh)
+
+    def along_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
+        cosh = profiles(self.parts.k, self._level(np.asarray(z, dtype=float)), self.depth)[0]
+        return _product(self._columns(np.asarray(x, dtype=float), t)[0], cosh)
+
+    def up_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
+        sinh = profiles(self.parts.k, self._level(np.asarray(z, dtype=float)), self.depth)[1]
+        return _product(self._columns(np.asarray(x, dtype=float), t)[1], sinh)
 
     def _columns(self, x: Array, t: float) -> tuple[Array, Array]:
         """a c cos(theta) and a c sin(theta) [m2/s], (nx, N)."""
@@ -88,6 +93,11 @@ class Linear(Wave):
 
     def _level(self, z: Array) -> Array:
         return np.minimum(z, self.depth + self.highest)
+
+
+def _product(columns: Array, levels: Array) -> Array:
+    """(nx, N), (nz, N) -> (nx, nz), without BLAS, whose threads spin."""
+    return np.einsum("xj,zj->xz", columns, levels, optimize=False)
 
 
 def airy(height: float, period: float, depth: float, gravity: float, phase: float, direction: float) -> Linear:

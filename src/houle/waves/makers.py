@@ -31,6 +31,9 @@ class Maker(Protocol):
 
     def push(self, t: float, acceleration: Faces) -> None: ...
 
+    def touches(self) -> dict[int, slice]:
+        """Axes of the faces that it pushes, and which of them along x."""
+
     def resist(self, rate: Faces) -> None:
         """Adds what it damps to the linear resistance of the faces [1/s]."""
 
@@ -103,6 +106,11 @@ class InternalSource:
     def resist(self, rate: Faces) -> None:
         """It damps nothing."""
 
+    def touches(self) -> dict[int, slice]:
+        found = {0: slice(self.first, self.first + self.shapes.shape[1])}
+        oblique = len(self.offset_across) and self.k_y.any()
+        return found | ({1: slice(self.first, self.first + self.across.shape[1])} if oblique else {})
+
     def push(self, t: float, acceleration: Faces) -> None:
         theta = self.omega * t - self.offset
         grown = float(ramp(t, self.duration))
@@ -152,15 +160,18 @@ class RelaxationZone:
     sigma: tuple[FloatArray, FloatArray]  # on faces and centres [1/s]
     share: tuple[FloatArray, FloatArray]  # of the wave, 0 at a wall
     duration: float
+    up: int  # the last axis
 
     def push(self, t: float, acceleration: Faces) -> None:
         grown = float(ramp(t, self.duration))
-        u = self.wave.velocity_on(self.x[0], self.z[0], t)[0]
-        w = self.wave.velocity_on(self.x[1], self.z[1], t)[1]
+        u, w = self.wave.along_on(self.x[0], self.z[0], t), self.wave.up_on(self.x[1], self.z[1], t)
         pairs = ((0, self.faces, u), (len(acceleration) - 1, self.cells, w))
         for (axis, where, velocity), sigma, share in zip(pairs, self.sigma, self.share, strict=True):
             force = (grown * sigma * share)[:, None] * velocity
             acceleration[axis][where] += force[:, None, :] if acceleration[axis].ndim == 3 else force
+
+    def touches(self) -> dict[int, slice]:
+        return {0: self.faces, self.up: self.cells}
 
     @classmethod
     def of(cls, table: Zone, wave: Wave, grid: Grid, duration: float, wall: bool = True) -> RelaxationZone:
@@ -180,7 +191,7 @@ class RelaxationZone:
             wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
             sigma=(at_faces, at_centres),
             share=(grown_faces, grown_centres),
-            duration=duration,
+            duration=duration, up=up,
         )  # fmt: skip
 
     def resist(self, rate: Faces) -> None:
@@ -206,6 +217,9 @@ class Stream:
 
     def push(self, t: float, acceleration: Faces) -> None:
         acceleration[0] += self.rate * (self.discharge(t) / self.depth)[..., None]
+
+    def touches(self) -> dict[int, slice]:
+        return {0: slice(0, len(self.rate))}
 
     def resist(self, rate: Faces) -> None:
         """It damps nothing of its own."""

@@ -70,11 +70,20 @@ class Steady(Wave):
         return self.current + total.real, -total.imag
 
     def velocity_on(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
+        return self.along_on(x, z, t), self.up_on(x, z, t)
+
+    def along_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
+        theta, kz = self._harmonics(x, z, t)
+        return self.current + np.einsum("xj,zj->xz", np.cos(theta), self.speeds * np.cosh(kz), optimize=False)
+
+    def up_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
+        theta, kz = self._harmonics(x, z, t)
+        return np.einsum("xj,zj->xz", np.sin(theta), self.speeds * np.sinh(kz), optimize=False)
+
+    def _harmonics(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
+        """j theta (nx, N) and j k z (nz, N)."""
         j = np.arange(1, len(self.speeds) + 1)
-        theta, kz = self._theta(np.asarray(x), t)[:, None] * j, self._kz(np.asarray(z))[:, None] * j
-        u = np.einsum("xj,zj->xz", np.cos(theta), self.speeds * np.cosh(kz), optimize=False)
-        w = np.einsum("xj,zj->xz", np.sin(theta), self.speeds * np.sinh(kz), optimize=False)
-        return self.current + u, w
+        return self._theta(np.asarray(x), t)[:, None] * j, self._kz(np.asarray(z))[:, None] * j
 
     def _theta(self, x: ArrayLike, t: ArrayLike) -> Array:
         return self.k * np.asarray(x, dtype=float) - self.omega * np.asarray(t, dtype=float) + self.phase

@@ -93,6 +93,14 @@ class Wave(ABC):
     def velocity_on(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
         """(u, w), each (len(x), len(z)), on the columns x (nx,) and levels z (nz,): what a grid wants, much faster."""
 
+    def along_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
+        """u alone of `velocity_on`."""
+        return self.velocity_on(x, z, t)[0]
+
+    def up_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
+        """w alone of `velocity_on`."""
+        return self.velocity_on(x, z, t)[1]
+
     def components(self) -> Components | None:
         """The elevation as a sum of cosines; None if it is none (solitary wave)."""
         return None
