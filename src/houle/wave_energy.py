@@ -28,7 +28,7 @@ TAKEN = ("sponge_work", "drag_work", "viscous_work")
 
 def record(run: Run) -> dict[str, Any]:
     """The entry of run.json; {} without periodic waves, or when the run is too short for them."""
-    window = _window(run.case, float(run.series.time[-1]))
+    window = None if run.case.waves is None else _window(run.case, float(run.series.time[-1]))
     if window is None:
         return {}
     wave, (start, end) = wave_of(run.case), window
