@@ -79,7 +79,7 @@ def draw_curves(
     scale = _power_of_ten(float(np.abs(finite).max(initial=0.0)))
     last = time[-1] if time[-1] > time[0] else time[0] + 1.0
     panel.set(xlim=(time[0], last), ylim=heights or _limits(finite / 10.0**scale))
-    panel.locator_params(nbins=5)
+    drawing.scales(panel, True, True)
     panel.axhline(0, color=FAINT, lw=0.8, zorder=0)
     ends = []
     for (words, values), colour in zip(curves.items(), itertools.cycle(LINES), strict=False):

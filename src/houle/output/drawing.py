@@ -4,13 +4,14 @@ Nothing here touches the state of matplotlib or opens a window: figures are made
 are told apart by people who do not see red and green (lightness differs, and no meaning hangs on hue alone).
 
 Short runs should not wait for their pictures. What costs time in matplotlib, and is therefore not here: pyplot, layout
-engines and tight boxes, titles and axis labels that look for a free place, mathematical text, path effects, and one
-artist per point.
+engines and tight boxes, ticks, titles and axis labels that look for a free place, mathematical text, path effects, and
+one artist per point.
 """
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,8 +24,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.markers import TICKDOWN, TICKLEFT
 from matplotlib.patches import Polygon
 from matplotlib.text import Annotation
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from houle.grid import Grid
@@ -73,6 +77,13 @@ def pressures() -> Colormap:
     return LinearSegmentedColormap.from_list("pressures", colours)
 
 
+class Panel(Axes):
+    """Axes without ticks of their own, which cost as much as all the rest of a picture: `scales` draws them."""
+
+    def grid(self, *_: Any, **__: Any) -> None:
+        """There is none."""
+
+
 @dataclass(frozen=True)
 class Sheet:
     """A figure and its panels, in reading order."""
@@ -111,11 +122,11 @@ class Sheet:
         )
 
     def label_outside(self, x: str, y: str) -> None:
-        """Axis labels and numbers at the left and lower sides of the sheet only."""
+        """Axis labels and numbers at the left and lower sides of the sheet only, once the limits are set."""
         for i, panel in enumerate(self.panels):
             last = i + self.columns >= len(self.panels)
             label(panel, x if last else "", y if i % self.columns == 0 else "")
-            panel.tick_params(labelbottom=last, labelleft=i % self.columns == 0)
+            scales(panel, last, i % self.columns == 0)
 
 
 @contextlib.contextmanager
@@ -145,12 +156,44 @@ def sheet(
     for i in range(count):
         row, column = divmod(i, columns)
         x, y = left + column * (size[0] + gap[0]), height - top - (row + 1) * size[1] - row * gap[1]
-        panels.append(figure.add_axes((x / width, y / height, size[0] / width, size[1] / height)))
+        panel = figure.add_axes((x / width, y / height, size[0] / width, size[1] / height), axes_class=Panel)
+        panel.xaxis.set_visible(False)
+        panel.yaxis.set_visible(False)
+        panels.append(panel)
     room = width - left - right
     for words, most, y, colour, weight in ((title, 12.0, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
         points = min(most, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
         figure.text(left / width, 1 - y / height, words, fontsize=points, color=colour, weight=weight, va="center")
     return Sheet(figure, panels, columns)
+
+
+def scales(panel: Axes, below: bool, left: bool) -> None:
+    """Ticks on the lower and the left side within the present limits, with numbers where it is said."""
+    for sideways, limits, numbers in ((False, panel.get_xlim(), below), (True, panel.get_ylim(), left)):
+        low, high = sorted(limits)
+        air = 1e-9 * (high - low)
+        all_ticks = MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        at = [float(tick) for tick in np.asarray(all_ticks) if low - air <= tick <= high + air]
+        zero = [0.0] * len(at)
+        across = panel.get_yaxis_transform() if sideways else panel.get_xaxis_transform()
+        mark: Any = {"marker": TICKLEFT if sideways else TICKDOWN, "ls": "none", "ms": 3.0, "mew": 0.6, "color": GREY}
+        line = Line2D(zero if sideways else at, at if sideways else zero, transform=across, clip_on=False, **mark)
+        panel.add_artist(line)
+        if not numbers:
+            continue
+        shift = (-6.5 / 72, 0.0) if sideways else (0.0, -6.5 / 72)
+        place = across + ScaledTranslation(*shift, panel.figure.dpi_scale_trans)
+        look: Any = {"ha": "right", "va": "center_baseline"} if sideways else {"ha": "center", "va": "top"}
+        for tick, words in zip(at, as_numbers(at), strict=True):
+            x, y = (0.0, tick) if sideways else (tick, 0.0)
+            panel.text(x, y, words, transform=place, **look)
+
+
+def as_numbers(values: Sequence[float]) -> list[str]:
+    """All with as many digits as tell them apart, with a minus sign that is one."""
+    step = min((b - a for a, b in itertools.pairwise(values)), default=abs(values[0]) if len(values) else 0.0) or 1.0
+    digits = next((d for d in range(12) if all(abs(round(v, d) - v) < 1e-3 * step for v in values)), 12)
+    return [f"{round(v, digits) + 0.0:.{digits}f}".replace("-", "−") for v in values]
 
 
 def headings(panel: Axes, left: str, right: str = "") -> Annotation:

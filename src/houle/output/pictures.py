@@ -99,7 +99,6 @@ def plan_picture(path: Path, case: Any, grid: Grid, surface: Data) -> Path:
         look |= {"interpolation": "nearest", "cmap": drawing.pressures(), "norm": scale}
         for panel, time in zip(page.panels, times, strict=True):
             mesh = panel.imshow(surface["eta"].values[np.argmin(np.abs(available - time))], **look)
-            panel.locator_params(nbins=5)
             headings(panel, f"t = {time:.4g} s")
         page.label_outside("x [m]", "y [m]")
         colour_bar(page, mesh, "level above z = 0 [m]")

@@ -62,7 +62,6 @@ class Section:
         """Everything that stands still, and the gates as they are at this time [s], which are returned."""
         panel.set(xlim=(0, self.grid.size[0]), ylim=(0, self.height))
         panel.spines["right"].set_visible(True)
-        panel.locator_params(nbins=5)
         drawing.draw_bodies(panel, self.porous, self.solid, over=over)
         if self.waves:
             drawing.draw_still_water(panel, self.still_water)
@@ -91,9 +90,16 @@ class Section:
         volume = frame.volume[chosen] / frame.porosity[chosen]
         side = float(np.median(volume)) ** (1 / self.grid.dimension) if len(chosen) else 0.0
         x, z = frame.position[chosen, 0], frame.position[chosen, -1]
-        bins: Any = {"bins": pixels, "range": ((0.0, self.grid.size[0]), (0.0, self.height))}
-        count = np.histogram2d(x, z, **bins)[0]
-        total = np.histogram2d(x, z, weights=frame.pressure[chosen] / 1e3, **bins)[0]
+        at = [
+            np.floor(p * (n / size))
+            for p, n, size in zip((x, z), pixels, (self.grid.size[0], self.height), strict=True)
+        ]
+        inside = (at[0] >= 0) & (at[0] < pixels[0]) & (at[1] >= 0) & (at[1] < pixels[1])
+        pixel = (at[0] * pixels[1] + at[1])[inside].astype(np.int64)
+        all_pixels = pixels[0] * pixels[1]
+        count = np.asarray(np.bincount(pixel, minlength=all_pixels), float).reshape(pixels)
+        weights = frame.pressure[chosen][inside] / 1e3
+        total = np.asarray(np.bincount(pixel, weights, all_pixels), float).reshape(pixels)
         for axis, length_of_axis in enumerate((self.grid.size[0], self.height)):
             reach = int(np.ceil(0.5 * (WIDER * side / length_of_axis * pixels[axis] - 1.0)))
             count, total = _spread(count, reach, axis), _spread(total, reach, axis)
@@ -104,8 +110,9 @@ def _spread(values: FloatArray, reach: int, axis: int) -> FloatArray:
     """Sum over the neighbours within `reach` along an axis."""
     if reach <= 0:
         return values
-    wide = np.pad(values, [(reach, reach) if a == axis else (0, 0) for a in range(values.ndim)])
-    return np.lib.stride_tricks.sliding_window_view(wide, 2 * reach + 1, axis).sum(axis=-1)
+    wide = np.pad(values, [(reach + 1, reach) if a == axis else (0, 0) for a in range(values.ndim)])
+    sums = np.moveaxis(np.cumsum(wide, axis=axis), axis, 0)
+    return np.moveaxis(sums[2 * reach + 1 :] - sums[: -2 * reach - 1], 0, axis)
 
 
 def pressure_scale(frames: Iterable[Frame]) -> Normalize:
