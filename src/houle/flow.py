@@ -148,6 +148,15 @@ class Flow:
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 
+    @cached_property
+    def face_porosity(self) -> Faces:
+        """Mean of the cells on both sides of each face; the first and the last along an axis as their cell."""
+        found = []
+        for a in range(self.grid.dimension):
+            n = np.pad(self.medium.porosity, [(int(b == a),) * 2 for b in range(self.grid.dimension)], mode="edge")
+            found.append(0.5 * (np.delete(n, 0, axis=a) + np.delete(n, -1, axis=a)))
+        return found
+
     @property
     def cell_inertia(self) -> FloatArray:
         if not hasattr(self, "_cell_inertia"):

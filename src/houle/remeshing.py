@@ -2,29 +2,49 @@
 
 from __future__ import annotations
 
-from houle.flow import Flow
+import numpy as np
+
+from houle.flow import SPRAY, Flow
+from houle.grid import Faces
 from houle.remesh import Remesher
 from houle.transfer import Transfer
 
-TRAVEL = 0.5  # cells that some particle must have gone before remeshing is worth it: water at rest is left alone
+TRAVEL = 2.0  # cells that water must have come away from where it was for remeshing to be worth it
 
 
 class Remeshing:
-    """Calls a remesher every `every` steps. count, travelled: steps, and cells gone by the fastest, since the last."""
+    """Calls a remesher every `every` steps, once water has moved on. `count`: steps since the last time.
+
+    travelled: integral of the pore velocity on the faces since then [m]. What counts is how far water is from where it
+    was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro and leave
+    them in order, and every remeshing at a porous face stirs the surface there (docs/decisions/0009).
+    """
 
     def __init__(self, remesher: Remesher, every: int) -> None:
         self.remesher, self.every = remesher, every
-        self.count, self.travelled = 0, 0.0
+        self.count = 0
+        self.travelled: Faces = []
 
-    def after_step(self, flow: Flow, transfer: Transfer, courant: float) -> None:
-        """courant: cells that the fastest particle has gone in this step."""
-        self.count, self.travelled = self.count + 1, self.travelled + courant
-        if self.count < self.every or self.travelled < TRAVEL:
+    def after_step(self, flow: Flow, transfer: Transfer, dt: float) -> None:
+        """dt: how long the particles have moved with the velocity of the grid [s]."""
+        self.count += 1
+        self.travelled = self.travelled or flow.grid.faces()
+        for way, u in zip(self.travelled, flow.velocity, strict=True):
+            way += dt * u
+        if self.count < self.every or self._farthest(flow) < TRAVEL:
             return
-        self.count, self.travelled = 0, 0.0
+        self.count = 0
+        for way in self.travelled:
+            way[...] = 0.0
         flow.sample_medium()
         flow.drop_work()
         flow.particles = self.remesher(flow.particles, flow.porosity)
         flow.refresh_particles()
         flow.sample_medium()
         transfer.renew(flow)
+
+    def _farthest(self, flow: Flow) -> float:
+        """Cells that water has come away from where it was, where there is water."""
+        least = SPRAY * flow.grid.cell_volume
+        ways = zip(self.travelled, flow.face_mass, flow.face_porosity, flow.grid.spacing, strict=True)
+        return max(float(np.max(np.abs(way) * (mass > least) / n)) / h for way, mass, n, h in ways)

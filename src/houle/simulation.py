@@ -302,7 +302,7 @@ class Simulation:
             "time": np.array(self.time),
             "steps": np.array(self.steps),
             "remesh_count": np.array(self.step.remeshing.count),
-            "remesh_travelled": np.array(self.step.remeshing.travelled),
+            **{f"remesh_travelled.{a}": way for a, way in enumerate(self.step.remeshing.travelled)},
             "step_size": np.array(self.step_size),
             "position": p.position,
             "velocity": p.velocity,
@@ -325,7 +325,8 @@ class Simulation:
         self.time, self.steps = float(state["time"]), int(state["steps"])
         self.step_size = float(state["step_size"])
         self.step.remeshing.count = int(state["remesh_count"])
-        self.step.remeshing.travelled = float(state["remesh_travelled"])
+        ways = [f"remesh_travelled.{a}" for a in range(self.grid.dimension)]
+        self.step.remeshing.travelled = [np.array(state[way]) for way in ways if way in state]
         names = ("position", "velocity", "volume")
         flow.particles = Particles(*(np.array(state[n], dtype=float, order="C") for n in names))
         flow.refresh_particles()

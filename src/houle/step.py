@@ -64,10 +64,9 @@ class Step:
         with ledger.operation("exchange"):
             exchange(flow, self.transfer, dt, ledger)  # water that comes in and goes out
         with ledger.operation("correction"):
-            courant = flow.courant(dt)
-            correct_positions(flow, self.correction * rate(courant), ledger)  # (14) kept at 1, on the grid
+            correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
-            self.remeshing.after_step(flow, self.transfer, courant)  # (6), (7)
+            self.remeshing.after_step(flow, self.transfer, dt)  # (6), (7)
         with ledger.clock("surface"):
             arrange(flow, self.transfer)  # which cells hold water, where the surface cuts the grid
 
@@ -114,7 +113,7 @@ class PaperStep:
         with ledger.operation("correction"):
             correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)
         with ledger.operation("remeshing"):
-            self.remeshing.after_step(flow, self.transfer, flow.courant(dt))
+            self.remeshing.after_step(flow, self.transfer, dt)
         with ledger.clock("surface"):
             arrange(flow, self.transfer)
 
