@@ -109,6 +109,14 @@ def test_what_limits_the_window():
     assert wall.start == pytest.approx(long.start + 6 / c)
 
 
+def test_a_long_record_waits_for_what_an_absorber_sends_back():
+    omega = 2 * np.pi / 1.5
+    c, places = front(omega), {"maker": 0.0, "structure": 20.0, "gauges": [14.0, 15.0], "absorbing": True}
+    first = (20 + 6) / c + 4 * 1.5
+    for until, start in ((first + 40 / c + 4.9 * 1.5, first), (first + 40 / c + 5.1 * 1.5, first + 40 / c)):
+        assert analysis.choose_window(omega, DEPTH, **places, until=until).start == pytest.approx(start)
+
+
 def test_a_flume_that_is_too_short_says_by_how_much():
     omega, gauges = 2 * np.pi / 1.5, np.array([3.0, 3.4])
     with pytest.raises(AnalysisError, match=r"the flume is too short: .* Put ([0-9.]+) m more") as caught:

@@ -12,6 +12,8 @@ import numpy as np
 from houle.analysis.errors import AnalysisError, positive
 from houle.waves.dispersion import GRAVITY, group_velocity, wave_number
 
+ENOUGH = 5  # periods to measure, for which it is better to wait longer than to measure longer
+
 
 @dataclass(frozen=True)
 class Window:
@@ -52,7 +54,10 @@ def choose_window(
     settle     periods to wait after the front: it is spread by dispersion and ends in a group
     rear       a wall in or behind the structure: the wave that goes there and back must be steady, too
     reflector  what sends the reflected wave back: the paddle (None), or the flume's end behind an internal source
-    absorbing  nothing does: an absorbing paddle, or a sponge behind the source
+    absorbing  nothing does: an absorbing paddle, or a sponge behind the source. No absorber is perfect: if the record
+               leaves ENOUGH periods after it, the window begins one more way to the structure and back later, when the
+               few percent that come back are steady, too. Before, they change the incident wave but not yet the
+               reflected one: C_R is wrong by their share times C_R squared.
     far_end    what sends the transmitted wave back, None if it is absorbed
     minimum    fewest periods
     Raises AnalysisError, which says how much longer the flume or the record must be.
@@ -78,12 +83,16 @@ def choose_window(
         away = along * (far_end - maker)
         ends.append(((2 * away - at.max()) / speed, "the transmitted wave comes back from the far end"))
     end, why = min(ends)
+    further = ""
+    echo = start + 2 * face / speed
+    if absorbing and int(np.floor((end - echo) / period + 1e-9)) >= ENOUGH:
+        start, further = echo, "and what little the maker sends back "
     periods = int(np.floor((end - start) / period + 1e-9))
     if periods < minimum:
         raise AnalysisError(_too_short(start, end, why, period, speed, minimum))
     reason = (
-        f"the reflected wave is steady at all gauges after {start:.3g} s (group velocity {speed:.3g} m/s, {ramp:g} "
-        f"periods of ramp, {settle:g} to settle); {why} at {end:.3g} s"
+        f"the reflected wave {further}is steady at all gauges after {start:.3g} s (group velocity {speed:.3g} m/s, "
+        f"{ramp:g} periods of ramp, {settle:g} to settle); {why} at {end:.3g} s"
     )
     return Window(start, start + periods * period, periods, reason)
 
