@@ -151,12 +151,19 @@ def validate(
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Only the variants that take seconds to minutes.")] = False,
     threads: Threads = None,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Keep the runs in this folder.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Keep runs and tables in this folder; what is done there is not done again."),
+    ] = None,
+    variants: Annotated[
+        list[str] | None,
+        typer.Option("--variant", metavar="PATTERN", help="Only variants of such names: 'T-1.5-*'. Repeatable."),
+    ] = None,
 ) -> None:
     """Run shipped cases, print the measured error beside tolerance and peers. Status 1 if one falls short."""
     from houle.validation import validate as compare
 
-    raise typer.Exit(compare(names, quick=quick, threads=threads, out=out))
+    raise typer.Exit(compare(names, quick=quick, threads=threads, out=out, variants=variants))
 
 
 @app.command()

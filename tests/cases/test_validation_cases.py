@@ -10,11 +10,12 @@ from rich.console import Console
 
 import houle
 import houle.runner
+from houle import analysis
 from houle.case import load
 from houle.case_files import shipped
 from houle.checks import check
 from houle.errors import CaseError, SimulationError
-from houle.validation import Check, cases, comparison, engine, measure, validate
+from houle.validation import Check, cases, coefficients, comparison, engine, measure, validate
 from houle.validation.check import Variant
 from houle.validation.exact import PorousMedium, column_infiltration
 from houle.validation.media import bed_top, medium
@@ -271,3 +272,50 @@ def test_quick_leaves_out_what_is_not(monkeypatch):
     monkeypatch.setattr(houle.runner, "run", lambda case, out, threads: ran.append(out.name))
     assert validate(["porous-column"], quick=True, console=quiet()) == 0
     assert ran == ["porous-column-fast"]
+
+
+def test_variants_are_chosen_by_pattern_and_an_unknown_one_is_refused(monkeypatch):
+    ran = []
+    judged = engine.Comparison(lambda run: [], tuple(map(Variant, ("", "T-1-s", "T-2-s", "T-2-s-wall"))))
+    monkeypatch.setattr(engine, "comparison", lambda name: judged)
+    monkeypatch.setattr(houle.runner, "run", lambda case, out, threads: ran.append(out.name))
+    assert validate(["porous-column"], variants=["T-2-*", ""], console=quiet()) == 0
+    assert ran == ["porous-column", "porous-column-T-2-s", "porous-column-T-2-s-wall"]
+    with pytest.raises(CaseError, match=r"T-3-.*There are: T-1-s"):
+        validate(["porous-column"], variants=["T-3-*"], console=quiet())
+
+
+def test_what_is_finished_is_kept_what_was_cut_goes_on_and_the_table_is_a_file(monkeypatch, tmp_path):
+    short = {"domain.spacing": 0.05, "time.end": 0.02, "output.every": 0.01}
+    variants = (Variant("done", short), Variant("cut", short))
+    judged = engine.Comparison(lambda run: [Check("steps", run.summary["steps"], limit=1e9)], variants)
+    monkeypatch.setattr(engine, "comparison", lambda name: judged)
+    houle.run(load("porous-startup", overrides=short), out=tmp_path / "porous-startup-cut", threads=1, until=0.005)
+    assert validate(["porous-startup"], out=tmp_path, threads=1, console=quiet()) == 0
+    monkeypatch.setattr(houle.runner, "run", None)  # nothing is begun again
+    assert validate(["porous-startup"], out=tmp_path, threads=1, console=quiet()) == 0
+    lines = (tmp_path / "porous-startup.csv").read_text(encoding="utf-8").splitlines()
+    assert [line.split(",")[0] for line in lines] == ["variant", "done", "cut"]
+    assert "| cut | steps |" in (tmp_path / "porous-startup.md").read_text(encoding="utf-8")
+
+
+def test_table_and_picture_of_coefficients_show_wall_and_open_blocks(tmp_path):
+    time, x = np.arange(0.0, 15.0, 0.02), np.array([0.0, 0.3, 0.7, 1.2])
+    k = float(analysis.wave_number(2 * np.pi / 1.5, 0.25))
+    phase, back = 2 * np.pi / 1.5 * time, k * np.array([3.0, 3.3])
+    eta = 2.5e-3 * (np.cos(k * x[:, None] - phase) + 0.2 * np.cos(k * x[:, None] + phase))
+    behind = 0.75e-3 * np.cos(back[:, None] - phase)
+    found = analysis.reflection(
+        (time, np.append(x, back / k), np.concatenate([eta, behind])), depth=0.25, period=1.5, window=(3.0, 12.1),
+        towards=1.0, gauges=[0, 1, 2, 3], behind=[4, 5],
+    )  # fmt: skip
+    rows = []
+    for wall in (False, True):
+        known = analysis.porous_block(2 * np.pi / 1.5, 0.25, 1.5, 0.85, 0.5, wall=wall)
+        rows.append(coefficients.Row(f"wall-{wall}", wall, 0.85, 1.5, False, found, known))
+    assert rows[0].off == pytest.approx({"C_R": 0.2 - 0.1565, "C_T": 0.3 - 0.2905}, abs=2e-4)
+    assert set(rows[1].off) == {"C_R"}
+    coefficients.write(tmp_path / "blocks", "Blocks", rows)
+    table = (tmp_path / "blocks.csv").read_text(encoding="utf-8").splitlines()
+    assert table[1].startswith("wall-False,1.5,0.85,0.5,open,5.00,0.200,") and table[2].endswith(",,,")
+    assert (tmp_path / "blocks.png").stat().st_size > 10_000

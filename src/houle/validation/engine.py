@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ from rich.table import Table
 
 from houle.case import load
 from houle.errors import CaseError, HouleError
+from houle.validation import tables
 from houle.validation.check import Check, Variant
 
 if TYPE_CHECKING:
@@ -32,6 +34,7 @@ class Comparison:
     compare: Callable[[Run], list[Check]]
     variants: tuple[Variant, ...] = (Variant(),)
     across: Callable[[Mapping[str, Run]], list[Check]] | None = None
+    overview: Callable[[Mapping[str, Run], Path], None] | None = None
 
 
 def cases() -> list[str]:
@@ -50,7 +53,8 @@ def comparison(name: str) -> Comparison:
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module
     spec.loader.exec_module(module)
-    return Comparison(module.compare, getattr(module, "VARIANTS", (Variant(),)), getattr(module, "across", None))
+    more = {name: getattr(module, name, None) for name in ("across", "overview")}
+    return Comparison(module.compare, getattr(module, "VARIANTS", (Variant(),)), **more)
 
 
 def validate(
@@ -59,43 +63,61 @@ def validate(
     threads: int | None = None,
     out: Path | str | None = None,
     console: Console | None = None,
+    variants: Sequence[str] | None = None,
 ) -> int:
     """Run shipped cases (all, or these), print one table per case, and give the exit status: 1 when a target is missed.
 
-    quick  only the variants marked so (minutes instead of the better part of an hour)
-    out    folder that keeps the runs; without it they go to a temporary one
-    Raises CaseError for an unknown name, before anything runs. A run that fails is a line of the table.
+    quick     only the variants marked so (minutes instead of the better part of an hour)
+    out       folder that keeps the runs, the tables as CASE.csv and CASE.md, and the pictures of a comparison; what
+              lies there finished is not computed again, what was cut goes on. Without it, a temporary one
+    variants  only those whose names match one of these patterns, as of a shell ("T-1.5-s-*-wall"); "" is the case as
+              it stands
+    Raises CaseError for an unknown name or pattern, before anything runs. A run that fails is a line of the table.
     """
     console = console or Console()
     chosen = {name: comparison(name) for name in (names or cases())}
+    asked = {name: _choose(found.variants, quick, variants) for name, found in chosen.items()}
+    if not any(asked.values()):
+        known = ", ".join(v.name for found in chosen.values() for v in found.variants if v.name)
+        raise CaseError(f"no variant is called {' or '.join(variants or [])}. There are: {known}")
     missed = 0
     with ExitStack() as stack:
         folder = Path(out) if out else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="houle-validate-")))
         for name, compared in chosen.items():
-            table = _table(name)
-            for label, checks, seconds in _results(name, compared, folder, quick, threads):
+            table, rows = _table(name), list[tuple[str, Check]]()
+            for label, checks, seconds in _results(name, compared, asked[name], folder, threads, console):
                 for row, check in enumerate(checks):
                     table.add_row(f"{label or '-'} ({seconds:.0f} s)" if row == 0 else "", *_cells(check))
                 table.add_section()
-                missed += sum(not check.passed for check in checks)
-            console.print(table)
+                rows += [(label, check) for check in checks]
+                if out:
+                    tables.write(folder / name, load(name).case.title, rows)
+            if rows:
+                console.print(table)
+            missed += sum(not check.passed for _, check in rows)
     console.print(f"[red]{missed} below target[/red]" if missed else "[green]all targets reached[/green]")
     return int(missed > 0)
 
 
+def _choose(variants: Sequence[Variant], quick: bool, patterns: Sequence[str] | None) -> list[Variant]:
+    fitting = [v for v in variants if v.quick or not quick]
+    return [v for v in fitting if patterns is None or any(fnmatchcase(v.name, p) for p in patterns)]
+
+
 def _results(
-    name: str, compared: Comparison, folder: Path, quick: bool, threads: int | None
+    name: str, compared: Comparison, variants: Sequence[Variant], folder: Path, threads: int | None, console: Console
 ) -> Iterator[tuple[str, list[Check], float]]:
     """Label, checks and wall seconds of every variant, then of what they say together."""
     runs: dict[str, Run] = {}
-    for variant in compared.variants:
-        if quick and not variant.quick:
-            continue
+    for number, variant in enumerate(variants, start=1):
         start = perf_counter()
+        console.print(f"{name} {variant.name} ({number} of {len(variants)})", style="dim", highlight=False)
         try:
             run = _run(name, variant, folder, threads)
             checks = compared.compare(run)
             runs[variant.name] = run
+            if compared.overview:
+                compared.overview(runs, folder)
         except HouleError as error:
             checks = [Check("runs to the end", float("nan"), note=str(error))]
         yield variant.name, checks, perf_counter() - start
@@ -104,10 +126,14 @@ def _results(
 
 
 def _run(name: str, variant: Variant, folder: Path, threads: int | None) -> Run:
-    from houle.runner import run
+    """The run of a variant in its folder: computed, gone on with, or as it was left there by the same case."""
+    from houle.runner import holds_run, open_run, resume, run
 
     case = load(name, overrides=dict(variant.overrides))
-    return run(case, out=folder / "-".join(filter(None, (name, variant.name))), threads=threads)
+    directory = folder / "-".join(filter(None, (name, variant.name)))
+    if holds_run(directory) and open_run(directory).case.hash == case.hash:
+        return resume(directory, threads=threads)
+    return run(case, out=directory, threads=threads)
 
 
 def _table(name: str) -> Table:

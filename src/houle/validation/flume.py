@@ -31,12 +31,14 @@ def block(
     *,
     wall: bool = False,
     slope: float = 0.0,
+    echo: bool = False,
     depth: float = 0.25,
 ) -> dict[str, Any]:
     """A flume with a porous block over the full depth, `body` without its shape; `wall`: right at its end.
 
     slope  of the front, horizontal per vertical: 0 is upright, 1 is 45 degrees. Half-way down the water the face stays
     where it is, so that the block holds as much water.
+    echo   run until what the zone sends back is steady, too: for a structure that reflects much
     """
     length, speed = _wave(period, depth)
     zone = _up(1.5 * length)
@@ -48,6 +50,7 @@ def block(
     end = back if wall else _up(back + BEHIND[-1] + 0.4 + 1.5 * length)
     top = _top(depth, height)
     steady = (2 * back - zone - first) / speed + RAMP_SETTLE * period
+    steady += 2 * (front - zone) / speed if echo else 0.0
     shape: dict[str, Any] = {"box": [[_round(front), 0.0], [_round(back), top]]}
     if slope:
         head = _round(toe + slope * top)
@@ -72,7 +75,7 @@ def block(
 
 def wall(period: float, height: float, depth: float = 0.25) -> dict[str, Any]:
     """A flume that ends at a solid upright wall."""
-    flume = block(period, height, {}, width=0.0, wall=True, depth=depth)
+    flume = block(period, height, {}, width=0.0, wall=True, echo=True, depth=depth)
     return {**flume, "porous": [], "reflection": {**flume["reflection"], "structure": [flume["domain.size"][0]]}}
 
 

@@ -1,0 +1,120 @@
+"""C_R and C_T of many runs beside theory: a table and a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from houle import reflection
+from houle.analysis import porous_block
+from houle.output.atomic import replacing
+from houle.output.drawing import DPI, GREY, INK, LINES, style
+from houle.validation import tables
+
+if TYPE_CHECKING:
+    from houle.analysis import Reflection, Scatter
+    from houle.runner import Run
+
+HEAD = ("variant", "T s", "n", "f", "behind", "H_I mm", "C_R", "95 %", "theory", "C_T", "95 %", "theory")
+PERIODS = {1.0: LINES[0], 1.5: LINES[1], 2.0: LINES[2]}  # s -> colour
+PANEL, LEFT, RIGHT, TOP, BOTTOM, GAP = (2.9, 2.2), 0.65, 0.2, 0.75, 0.55, 0.45  # inches
+
+
+@dataclass(frozen=True)
+class Row:
+    """One block under one wave: what was measured, and linear theory for the wave that arrived."""
+
+    variant: str
+    wall: bool
+    porosity: float
+    width: float  # of the block [m]
+    forchheimer: bool
+    found: Reflection
+    known: Scatter
+
+    @classmethod
+    def of(cls, variant: str, run: Run) -> Row:
+        found, body = reflection.measure(run), run.case.porous[0]
+        known = reflection.theory(run.case, found.H_I)
+        assert known is not None and body.box is not None
+        width = body.box[1][0] - body.box[0][0]
+        linear = body.resistance.b == 0.0
+        return cls(variant, not run.case.sponge, body.porosity, width, not linear, found, known)
+
+    @property
+    def off(self) -> dict[str, float]:
+        """Distance from theory of C_R and, where something gets through, C_T."""
+        reflected = {"C_R": abs(self.found.C_R - self.known.C_R)}
+        return reflected if self.wall else {**reflected, "C_T": abs(self.found.C_T - self.known.C_T)}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        r, known = self.found, self.known
+        span = [f"{low:.3f} to {high:.3f}" for low, high in (r.interval_R, r.interval_T)]
+        through = ("", "", "") if self.wall else (f"{r.C_T:.3f}", span[1], f"{known.C_T:.3f}")
+        behind = "wall" if self.wall else "open"
+        head = (self.variant, f"{r.period:g}", f"{self.porosity:g}", f"{known.friction:.3g}", behind)
+        return (*head, f"{1e3 * r.H_I:.2f}", f"{r.C_R:.3f}", span[0], f"{known.C_R:.3f}", *through)
+
+
+def write(path: Path, title: str, rows: Sequence[Row]) -> None:
+    """path.csv, path.md and, of the rows with linear drag, path.png."""
+    tables.save(path, title, HEAD, [row.words for row in rows])
+    if linear := [row for row in rows if not row.forchheimer]:
+        draw(path.with_name(path.name + ".png"), title, linear)
+
+
+def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
+    """Measured coefficients with their intervals over the friction f, on the curves of theory; a column per block."""
+    porosities = sorted({row.porosity for row in rows}, reverse=True)
+    panels = [(name, wall) for name, wall in (("C_R", False), ("C_T", False), ("C_R", True)) if _any(rows, name, wall)]
+    width = LEFT + len(panels) * (PANEL[0] + GAP) - GAP + RIGHT
+    height = TOP + len(porosities) * (PANEL[1] + GAP) - GAP + BOTTOM
+    with style():
+        figure = Figure(figsize=(width, height))
+        for i, porosity in enumerate(porosities):
+            for j, (name, wall) in enumerate(panels):
+                x, y = LEFT + j * (PANEL[0] + GAP), height - TOP - (i + 1) * PANEL[1] - i * GAP
+                axes = figure.add_axes((x / width, y / height, PANEL[0] / width, PANEL[1] / height))
+                chosen = [row for row in rows if row.porosity == porosity and row.wall == wall]
+                _panel(axes, name, wall, chosen)
+                head = f"{name[0]}$_{name[2]}$, {'wall behind' if wall else 'open behind'}, n = {porosity:g}"
+                axes.set_title(head, loc="left", fontsize=8.5, color=INK)
+                if i == len(porosities) - 1:
+                    axes.set_xlabel("friction f")
+        figure.text(LEFT / width, 1 - 0.2 / height, title, fontsize=10, weight="bold", va="center")
+        keys = [Line2D([], [], color=c, marker="o", ms=4, label=f"T = {t:g} s") for t, c in PERIODS.items()]
+        keys.append(Line2D([], [], color=GREY, label="line: linear theory; bar: 95 %"))
+        place = (LEFT / width, 1 - 0.48 / height)
+        figure.legend(handles=keys, loc="center left", bbox_to_anchor=place, ncols=4, frameon=False, borderaxespad=0)
+        with replacing(path) as temporary:
+            FigureCanvasAgg(figure).print_figure(temporary, format="png", dpi=DPI)
+
+
+def _any(rows: Sequence[Row], name: str, wall: bool) -> bool:
+    return any(row.wall == wall for row in rows) and not (wall and name == "C_T")
+
+
+def _panel(axes: Any, name: str, wall: bool, rows: Sequence[Row]) -> None:
+    friction = np.linspace(0.05, 1.2, 24)
+    for row in rows:
+        period, colour = row.found.period, PERIODS.get(round(row.found.period, 3), INK)
+        value, (low, high) = getattr(row.found, name), getattr(row.found, f"interval_{name[-1]}")
+        axes.errorbar(
+            row.known.friction, value, [[value - low], [high - value]], fmt="o", ms=4, color=colour, elinewidth=0.8,
+            capsize=2,
+        )  # fmt: skip
+        curve = [
+            porous_block(2 * np.pi / period, row.found.depth, row.width, row.porosity, f, wall=wall, modes=12)
+            for f in friction
+        ]
+        axes.plot(friction, [getattr(known, name) for known in curve], color=colour, lw=0.9)
+    axes.set_xlim(0.0, 1.2)
+    axes.set_ylim(bottom=0.0)
