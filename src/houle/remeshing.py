@@ -46,5 +46,5 @@ class Remeshing:
     def _farthest(self, flow: Flow) -> float:
         """Cells that water has come away from where it was, where there is water."""
         least = SPRAY * flow.grid.cell_volume
-        ways = zip(self.travelled, flow.face_mass, flow.face_porosity, flow.grid.spacing, strict=True)
+        ways = zip(self.travelled, flow.work.face_mass, flow.face_porosity, flow.grid.spacing, strict=True)
         return max(float(np.max(np.abs(way) * (mass > least) / n)) / h for way, mass, n, h in ways)

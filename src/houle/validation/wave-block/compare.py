@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from houle import reflection
-from houle.validation import coefficients
+from houle.validation import coefficients, separation
 from houle.validation.check import Check, Variant, report
 from houle.validation.flume import block, linear
 from houle.validation.measure import largest
@@ -83,9 +83,9 @@ def compare(run: Run) -> list[Check]:
 
 
 def across(runs: Mapping[str, Run]) -> list[Check]:
-    """The farthest from theory of all blocks with linear drag, and of all with Darcy-Forchheimer drag."""
+    """The separation by itself; the farthest from theory of all blocks with linear drag, and of all of crushed rock."""
     rows = [coefficients.Row.of(name, run) for name, run in runs.items()]
-    checks = []
+    checks = separation.checks(next(iter(runs.values()))) if runs else []
     for words, quadratic, limit in (("linear drag", False, LINEAR), ("Darcy-Forchheimer drag", True, QUADRATIC)):
         for name in ("C_R", "C_T"):
             off = {row.variant: row.off[name] for row in rows if row.forchheimer == quadratic and name in row.off}
