@@ -5,7 +5,7 @@ formula.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -97,6 +97,8 @@ def irregular(task: Task, taper: float = 0.1) -> Reflection:
         )
     result = estimate(lambda rows, method: energies.irregular(separated(rows, method), density), inside.x, task.k, task)
     rest = float(np.sqrt(1.0 - np.mean(found.trust[used]))) if len(inside.x) > 2 else float("nan")
+    whole = np.sum(found.incident[used]) / np.sum((found.incident * found.trust)[used])
+    result = replace(result, energy=float(whole) * result.energy)  # trust weighs lines, it lowers no wave
     return _answer(task, task.k, result, 4.0, notes, rest, lines=found)
 
 
