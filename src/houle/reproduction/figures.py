@@ -66,7 +66,8 @@ def profiles(path: Path, pair: Pair, words: str) -> Path:
     error = pair.ours.case.reference.error if pair.ours.case.reference else None
     with drawing.style():
         size = (3.1, 3.1 * section.height / grid.size[0])
-        sub = f"free surface  ·  {_spacing(pair.ours)}" + (f"  ·  measured to ±{1e3 * error:g} mm" if error else "")
+        measured = f"  ·  measured to ±{1e3 * error:g} mm" if error else ""
+        sub = f"free surface  ·  {_spacing(pair.ours)}{measured}  ·  rms of houle, of jh2020"
         page = sheet(len(times), 3, size, words, sub, margins=(0.62, 0.3, 0.8, 0.95))
         for panel, (time, one, other) in zip(page.panels, times, strict=True):
             section.draw(panel, time)
