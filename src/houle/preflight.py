@@ -104,6 +104,10 @@ def draw(case: Case, file: Path) -> None:
     _fill(axes, s.area(s.solid, layer), facecolor="#777777", edgecolor="#333333", label="solid")
     for face, gate in zip(gate_faces(case), case.gate, strict=True):
         axes.plot([face, face], [0, height], color="#c0392b", linewidth=3, label=f"gate, {gate.speed:g} m/s", zorder=4)
+    for table in case.open:
+        side = 0.0 if table.side == "left" else width
+        look: Any = {"color": "#1f5f8b", "linewidth": 5, "linestyle": (0, (0.6, 0.8)), "clip_on": False, "zorder": 5}
+        axes.plot([side, side], [0, height], label="open side", **look)
     _waves(axes, case, s)
     _gauges(axes, case)
     for sensor in case.sensor:

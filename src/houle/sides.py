@@ -74,6 +74,9 @@ class OpenSide:
     speed (rows) into the tank [m/s]; wet (halves) share of each half face that is under water; after `drive`.
     follows: U of a level [m/s]; owed: volume [m^d] that should have gone out and was not there yet.
     came, went: volume [m^d] that has come in and gone out since the start.
+    long_from: end of the zone from which long waves come back that it is to let through [m]; 0: none.
+    outgoing: their elevation, smoothed over the time in which they cross the zone [m].
+    excess: what flows in through the zone besides its wave, per width, after `drive` [m2/s].
     """
 
     far: bool
@@ -81,7 +84,6 @@ class OpenSide:
     ramp: float
     response: float
     gravity: float
-    still: float  # depth at the start [m]
     grid: Grid
     open: FloatArray  # (rows) open part of the faces
     wave: Wave | None = None
@@ -90,6 +92,9 @@ class OpenSide:
     owed: float = 0.0
     came: float = 0.0
     went: float = 0.0
+    long_from: float = 0.0
+    outgoing: float = 0.0
+    excess: float = 0.0
     speed: FloatArray = field(init=False)
     wet: FloatArray = field(init=False)
 
@@ -109,7 +114,7 @@ class OpenSide:
         speed = math.sqrt(max(gravity, 1e-12) * depth)
         response = table.response or CROSSINGS * grid.size[0] / speed
         known = records(table, folder)
-        side = cls(far, known, table.ramp, response, gravity, depth, grid, open_faces[-1 if far else 0].copy())
+        side = cls(far, known, table.ramp, response, gravity, grid, open_faces[-1 if far else 0].copy())
         if near.any():
             side.follows = side.sign * float(np.average(water.velocity[near, 0], weights=water.volume[near]))
         return side
@@ -141,22 +146,15 @@ class OpenSide:
 
     @property
     def state(self) -> FloatArray:
-        return np.array([self.follows, self.owed, self.came, self.went])
+        return np.array([self.follows, self.owed, self.came, self.went, self.outgoing])
 
     @state.setter
     def state(self, values: FloatArray) -> None:
-        self.follows, self.owed, self.came, self.went = map(float, values)
+        self.follows, self.owed, self.came, self.went, self.outgoing = map(float, values)
 
-    @property
-    def streams(self) -> bool:
-        """Whether it lets in what is prescribed."""
-        return "velocity" in self.prescribed or "discharge" in self.prescribed
-
-    def discharge(self, t: float) -> float:
-        """What it prescribes, towards larger x at the time t [s], per width [m2/s]."""
-        key = "velocity" if "velocity" in self.prescribed else "discharge"
-        inwards = float(ramp(t, self.ramp)) * self.prescribed[key].at(t)
-        return self.sign * inwards * (self.still if key == "velocity" else 1.0)
+    def passing(self) -> float:
+        """Discharge towards larger x that what damps in front of the side is to let through, per width [m2/s]."""
+        return self.sign * self.excess
 
     # ---- what flows ----------------------------------------------------------------------------------------------
 
@@ -167,6 +165,9 @@ class OpenSide:
         shape = (*self.speed.shape[:-1], 1)
         depth = (self._depths() if self.grid.dimension == 3 else np.array(self._depths())).reshape(shape)
         inwards = self._mean(middle, depth)
+        self.excess = float(np.mean(inwards * depth))
+        if self.long_from > 0.0:
+            self.excess -= float(np.mean(np.sqrt(self.gravity * depth))) * self._outgoing(flow, dt)
         if "level" in self.prescribed:
             inwards = inwards + self._towards_level(flow.time, dt, level, depth)
         speed = np.broadcast_to(inwards, self.speed.shape)
@@ -219,6 +220,17 @@ class OpenSide:
                 diagnosis="A discharge needs a depth of one cell at least; more water, or a lower floor, at the side.",
             )
         return grown * self.prescribed["discharge"].at(t) / mean
+
+    def _outgoing(self, flow: Flow, dt: float) -> float:
+        """Elevation of what comes to the zone from inside [m]: that beyond the wave and the level outside."""
+        assert self.wave is not None
+        first = round(self.long_from / self.grid.spacing[0])
+        eta = float(np.nanmean(flow.eta[first : first + NEAR]))
+        known = self.prescribed["level"].at(flow.time) if "level" in self.prescribed else self.wave.depth
+        known += float(ramp(flow.time, self.wave_ramp)) * float(self.wave.elevation(self.long_from, flow.time))
+        time = self.long_from / math.sqrt(max(self.gravity, 1e-12) * self.wave.depth)
+        self.outgoing += -math.expm1(-dt / time) * (eta - known - self.outgoing)
+        return self.outgoing
 
     def _towards_level(self, t: float, dt: float, level: FloatArray, depth: FloatArray) -> FloatArray:
         wanted = self.prescribed["level"].at(t)

@@ -66,7 +66,7 @@ class Simulation:
         self.wave = self._add_waves()
         self.flow.sides = self._open_sides()
         self.flow.driven = [*self.flow.sides]
-        self._add_stream()
+        self._add_streams()
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
         self.observers = Observers(case, self.flow)
@@ -109,21 +109,20 @@ class Simulation:
             side = OpenSide.of(table, case.folder, self.grid, faces, case.fluid.gravity, self.particles)
             if case.waves is not None and case.waves.zone is not None and not side.far:
                 side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()
+                side.long_from = case.waves.zone.x[1] if case.waves.kind in ("series", "solitary") else 0.0
             sides.append(side)
         return sides
 
-    def _add_stream(self) -> None:
-        """What damps leads towards the current: that of the waves, or what the first driven side lets in."""
-        flow, waves = self.flow, self.case.waves
+    def _add_streams(self) -> None:
+        """What damps in front of an open side, in its half of the tank, leads towards the flow through that side."""
+        flow = self.flow
         if not flow.damping:
             return
-        if waves is not None and waves.current:
-            q = waves.current * waves.depth
-            flow.makers.append(Stream(flow.damping[0], self._depths(), lambda t: q))
-            return
-        side = next((s for s in flow.sides if s.streams), None)
-        if side is not None:
-            flow.makers.append(Stream(flow.damping[0], self._depths(), side.discharge))
+        middle = (self.grid.shape[0] + 1) // 2
+        for side in flow.sides:
+            rate = flow.damping[0].copy()
+            rate[slice(None, middle) if side.far else slice(middle, None)] = 0.0
+            flow.makers.append(Stream(rate, self._depths(), side.passing))
 
     def _depths(self) -> FloatArray:
         """Of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""

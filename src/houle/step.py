@@ -52,8 +52,8 @@ class Step:
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
             viscosity(flow, kick, ledger)  # (3), on the grid
-            make_waves(flow)  # (4), (5)
             drive(flow, dt)  # what flows through open sides
+            make_waves(flow)  # (4), (5)
             apply_forces(flow, kick)  # (13), drag and Bernoulli term implicit
         with ledger.operation("projection"):
             project(flow, kick, ledger)  # (15), (16)
@@ -98,8 +98,8 @@ class PaperStep:
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)
         with ledger.operation("forces"):
-            make_waves(flow)  # (4), (5)
             drive(flow, dt)
+            make_waves(flow)  # (4), (5)
             apply_forces(flow, dt)  # (13), drag implicit
         with ledger.operation("projection"):
             project(flow, dt, ledger)  # (15), (16)

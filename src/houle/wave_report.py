@@ -11,6 +11,7 @@ from houle.case_errors import place
 from houle.layout import Finding, Section
 from houle.tables.tank import Sponge
 from houle.wave_checks import reach, wave_of
+from houle.waves import dispersion
 from houle.waves.check import assess
 from houle.waves.makers import damping, left_over, source_width
 from houle.waves.sponge import sides
@@ -29,7 +30,19 @@ def wave_rows(case: Case) -> list[tuple[str, str]]:
     assert case.waves is not None
     numbers = [text for level, text in assess(wave, max(case.domain.grid.spacing)) if level == "info"]
     names = ("theory", "size", "limits", "on the grid") if len(numbers) == 4 else ("theory", *[""] * (len(numbers) - 1))
-    return [("wave", _wave(case)), *zip(names, numbers, strict=True), ("made by", _maker(case, wave))]
+    rows = [("wave", _wave(case)), *zip(names, numbers, strict=True), ("made by", _maker(case, wave))]
+    return [rows[0], ("current", _current(case.waves.current, wave)), *rows[1:]] if case.waves.current else rows
+
+
+def _current(speed: float, wave: Wave) -> str:
+    """What the current does to a wave with a period."""
+    own = wave.celerity - speed
+    words = f"{speed:g} m/s; crests run at {own:.4g} m/s in the water, {wave.celerity:.4g} m/s seen from the bed"
+    if wave.name.startswith("solitary"):
+        return words
+    still = 2 * pi / float(dispersion.wave_number(wave.omega, wave.depth, wave.gravity))
+    relative = wave.length / own
+    return f"{words}; period {relative:.4g} s in the water; length {wave.length / still:.3f} of that in still water"
 
 
 def _wave(case: Case) -> str:
@@ -37,8 +50,6 @@ def _wave(case: Case) -> str:
     assert waves is not None
     sizes = (("height", waves.height, "m"), ("period", waves.period, "s"), ("depth", waves.depth, "m"))
     given = [f"{name} = {value:g} {unit}" for name, value, unit in sizes if value is not None]
-    if waves.current:
-        given.append(f"on a current of {waves.current:g} m/s")
     return ", ".join([str(waves.kind), *given, *([waves.file] if waves.file else [])])
 
 

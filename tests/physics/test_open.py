@@ -224,3 +224,34 @@ def test_a_wave_on_a_current_has_the_length_that_doppler_gives_it():
     for low, high in ((zone, zone + free), (zone + free, size)):
         assert speed[(place > low) & (place < high)].mean() == pytest.approx(current, rel=0.05)
     assert kept(sim) < 1e-14
+
+
+def test_a_zone_at_an_open_side_carries_the_volume_of_a_long_wave(tmp_path):
+    """A trough of 10 mm and 6 s doubles at the wall, and goes out again: the water is back, and level."""
+    time = np.arange(0.0, 6.01, 0.1)
+    rows = "\n".join(f"{t:.1f},{-0.005 * (1 - np.cos(2 * np.pi * t / 6)):.6f}" for t in time)
+    (tmp_path / "trough.csv").write_text(f"t_s,eta_m\n{rows}\n")
+    case = {
+        "case": {"name": "trough"},
+        "domain": {"size": [4.0, 0.375], "spacing": 0.03125},
+        "water": [{"below": DEPTH}],
+        "waves": {
+            "kind": "series",
+            "file": str(tmp_path / "trough.csv"),
+            "depth": DEPTH,
+            "zone": {"x": [0.0, 1.5]},
+        },
+        "open": [{"side": "left", "level": DEPTH, "velocity": 0.0}],
+        "time": {"end": 20.0},
+    }
+    sim = simulation(case)
+    lowest = 0.0
+    while sim.time < 14.0:
+        sim.advance(14.0)
+        lowest = min(lowest, float(sim.flow.eta[-16:].mean()) - DEPTH)
+    assert lowest == pytest.approx(-0.020, rel=0.08)  # at a wall the zone reaches -0.016 and heaps up 0.06 behind it
+    assert np.abs(sim.flow.eta[4:] - DEPTH).max() < 0.001
+    assert sim.ledger.outflow > 0.02 and sim.ledger.inflow == pytest.approx(sim.ledger.outflow, rel=0.05)
+    other = simulation(case)
+    other.restore(copy_state(sim))
+    assert differing(copy_state(run(sim, 3)), copy_state(run(other, 3))) == []

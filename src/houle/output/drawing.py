@@ -310,6 +310,19 @@ def draw_source(panel: Axes, x: float) -> None:
     _at_the_top(panel, x, "source")
 
 
+def draw_open(panel: Axes, sides: Sequence[Any], length: float) -> None:
+    """Dots along the sides of the tank, of this length [m], through which water comes and goes."""
+    look: Any = {"color": INK, "lw": 2.4, "ls": (0, (0.6, 1.0)), "zorder": 6, "clip_on": False}
+    for side in sides:
+        x = 0.0 if side.side == "left" else length
+        panel.plot([x, x], [0.0, 1.0], transform=panel.get_xaxis_transform(), **look)
+        align = {"left": (6, "left"), "right": (-6, "right")}[side.side]
+        at: Any = {"xycoords": panel.get_xaxis_transform(), "textcoords": "offset points"}
+        panel.annotate(
+            "open", (x, 1.0), (align[0], -3), ha=align[1], va="top", fontsize=SMALL, color=INK, zorder=5, **at
+        )
+
+
 def draw_still_water(panel: Axes, level: float) -> None:
     panel.axhline(level, color=GREY, lw=0.6, ls=(0, (10, 5)), zorder=2.3)
 

@@ -68,6 +68,7 @@ class Section:
             drawing.draw_bands(panel, self.bands)
             if self.case.waves is not None and self.case.waves.source is not None:
                 drawing.draw_source(panel, self.case.waves.source.x)
+        drawing.draw_open(panel, self.case.open, self.grid.size[0])
         return drawing.draw_gates(panel, self.case.gate, time, self.height)
 
     def draw_particles(self, panel: Axes, frame: Frame, scale: Normalize) -> AxesImage:

@@ -204,19 +204,21 @@ class RelaxationZone:
 
 @dataclass
 class Stream:
-    """Leads what zones and sponges damp towards the current, which they would slow down: du/dt = ... + sigma U.
+    """Leads what damps in front of an open side towards the flow through it, which it would hold up: + sigma U.
 
-    rate       of the faces along x, what damps [1/s]
+    A current, and the long waves that leave; what the side lets in of the wave of a zone is not in it.
+
+    rate       of the faces along x, what damps there [1/s]
     depth      of the water at these faces (nx + 1, [ny]) [m]
-    discharge  towards larger x at a time [s], per width [m2/s]
+    discharge  towards larger x now, per width [m2/s]
     """
 
     rate: FloatArray
     depth: FloatArray
-    discharge: Callable[[float], float]
+    discharge: Callable[[], float]
 
     def push(self, t: float, acceleration: Faces) -> None:
-        acceleration[0] += self.rate * (self.discharge(t) / self.depth)[..., None]
+        acceleration[0] += self.rate * (self.discharge() / self.depth)[..., None]
 
     def touches(self) -> dict[int, slice]:
         return {0: slice(0, len(self.rate))}

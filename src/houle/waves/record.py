@@ -1,9 +1,10 @@
 """A recorded series of elevations at one place: a laboratory wave, a ship's drawdown and secondary waves.
 
 The record is led back to still water on both sides by half cosines (nothing between its first and last time is
-changed), made into Fourier components, each of which travels by linear dispersion. Very long components are welcome:
-k d -> 0 is the long wave with u = sqrt(g/d) times the elevation, and the mean is one of them, so that the water is at
-rest before and after the event. Components that do not matter are left out (`tolerance`).
+changed), followed by two durations of rest, and made into Fourier components, each of which travels by linear
+dispersion. Very long components are welcome: k d -> 0 is the long wave with u = sqrt(g/d) times the elevation, and the
+mean is one of them, so that the water is at rest before and after the event. Components that do not matter are left out
+(`tolerance`).
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from houle.waves.wave import Array, Components, WaveError
 
 COLUMNS = ("t_s", "eta_m")
 LEAD = 0.15  # of the duration, on each side
+REST = 2.0  # durations of still water after it, before the Fourier series begins again
 TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
 
 
@@ -96,8 +98,8 @@ def _padded(time: Array, eta: Array) -> tuple[Array, Array, float]:
     lead = max(4, round(LEAD * len(eta)))
     fade = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, lead + 1) / lead)
     return (
-        time[0] + dt * (np.arange(len(eta) + 2 * lead) - lead),
-        np.concatenate([eta[0] * fade[::-1], eta, eta[-1] * fade]),
+        time[0] + dt * (np.arange(len(eta) + 2 * lead + round(REST * len(eta))) - lead),
+        np.concatenate([eta[0] * fade[::-1], eta, eta[-1] * fade, np.zeros(round(REST * len(eta)))]),
         dt,
     )
 
