@@ -57,6 +57,7 @@ def made_case(dimension=2):
         water=[SimpleNamespace(box=None, polygon=None, below=0.15)],
         waves=None,
         sponge=[],
+        open=[],
         **dict.fromkeys(("runup", "overtopping", "flux", "phreatic", "force"), ()),
         to_toml=lambda: "[case]",
     )
@@ -540,8 +541,11 @@ def test_pictures_show_makers_sponges_and_still_water(tmp_path, maker):
         case.waves, case.sponge = SimpleNamespace(**makers), [SimpleNamespace(box=box) for box in boxes]
         page = pictures.surface_picture(tmp_path / "surface.png", case, grid, read_surface(tmp_path))
         pages.append(imread(page)[..., :3].mean(axis=-1))
-    calm, sponge, made = pages
+    case.open = [SimpleNamespace(side="right")]
+    page = pictures.surface_picture(tmp_path / "surface.png", case, grid, read_surface(tmp_path))
+    calm, sponge, made, opened = [*pages, imread(page)[..., :3].mean(axis=-1)]
     assert (np.abs(sponge - calm) > 0.2).sum() > 300 and (np.abs(made - calm) > 0.2).sum() > 300
+    assert (np.abs(opened - made) > 0.2).sum() > 100
 
 
 def test_laboratory_points_are_drawn_and_scored(tmp_path):
