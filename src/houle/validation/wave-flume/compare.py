@@ -30,7 +30,7 @@ VARIANTS = (
     Variant("H-80-mm-dx-20-mm", {**empty(1.2, 0.08), "domain.spacing": 0.02}, quick=False),
     Variant("source-H-80-mm", one_sided(1.2, 0.08), quick=False),
     Variant("source-H-80-mm-dx-20-mm", {**one_sided(1.2, 0.08), "domain.spacing": 0.02}, quick=False),
-    Variant("wall", {**wall(1.2, 0.02), "domain.spacing": 0.02}),
+    Variant("wall", {**wall(1.2, 0.02), "domain.spacing": 0.02, "time.courant": 1.0, "output.every": 10.0}),
     *(
         Variant(f"source-T-{period:g}-s", {**two_sided(period, 0.01), "domain.spacing": 0.02}, quick=period == 1.0)
         for period in (1.0, 1.5, 2.0)

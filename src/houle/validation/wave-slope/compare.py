@@ -19,11 +19,14 @@ UPRIGHT, STEEP = "upright", "80-mm"
 BODY = load("wave-slope").porous[0].model_dump(include={"porosity", "grain_diameter", "added_mass", "resistance"})
 BODY["resistance"] = {key: value for key, value in BODY["resistance"].items() if value is not None}
 
+LONG = block(1.2, 0.04, BODY, slope=1.0, echo=True)["time.end"]  # s
+CHEAP = {"time.courant": 1.0, "output.every": 10.0}  # steps as long as the surface allows, little written
+
 VARIANTS = (
-    Variant("", {"reflection.twin": False}),
-    Variant(UPRIGHT, block(1.2, 0.04, BODY)),
-    Variant(STEEP, block(1.2, 0.08, BODY, slope=1.0), quick=False),
-    Variant(f"{UPRIGHT}-{STEEP}", block(1.2, 0.08, BODY), quick=False),
+    Variant("", {"reflection.twin": False, "time.end": LONG, **CHEAP}),
+    Variant(UPRIGHT, {**block(1.2, 0.04, BODY, echo=True), **CHEAP}),
+    Variant(STEEP, {**block(1.2, 0.08, BODY, slope=1.0, echo=True), **CHEAP}, quick=False),
+    Variant(f"{UPRIGHT}-{STEEP}", {**block(1.2, 0.08, BODY, echo=True), **CHEAP}, quick=False),
 )
 
 
