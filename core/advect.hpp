@@ -81,7 +81,7 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
       if (x[a] >= length) x[a] = 0.0;
     } else {
       const double margin = 1e-9 * g.h[a];
-      x[a] = x[a] < margin ? margin : (x[a] > length - margin ? length - margin : x[a]);
+      x[a] = std::min(std::max(x[a], margin), length - margin);  // in this order NaN stays
     }
   }
 }
@@ -132,14 +132,15 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
 // -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a single-valued column the cells
 // that the surface cuts have none: their level is that of the column's volume, and to chase the fill of single surface
 // cells stirs the surface (docs/decisions/0001). Elsewhere, next to air, only an excess counts: a deficit is the
-// surface.
+// surface. Returns the largest.
 template <int D>
-inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
-                           const double* fill, const double* open, const double* porosity, double omega, double* rhs) {
+inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
+                             const double* fill, const double* open, const double* porosity, double omega,
+                             double* rhs) {
   const auto stride = Grid<D>::strides(g.shape);
-  parallel_for(g.cells(), [=](index c) {
+  return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
-    if (!active[c]) return;
+    if (!active[c]) return 0.0;
     double excess = fill[c] - 1.0;
     if (!std::isnan(column[c / g.shape[D - 1]])) {
       const double d = depth[c];
@@ -165,6 +166,7 @@ inline void density_excess(const Grid<D>& g, const std::uint8_t* active, const d
     }
     excess = excess > 0.25 ? 0.25 : (excess < -0.25 ? -0.25 : excess);
     rhs[c] = omega * (porosity ? porosity[c] : 1.0) * excess;
+    return std::abs(rhs[c]);
   });
 }
 
@@ -182,7 +184,7 @@ inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, cons
     const double slow = porosity ? 1.0 / st.template gather<-1>(cell_stride, porosity) : 1.0;
     each_of<D>([&](auto a) {
       const double d = slow * st.template gather<a>(stride[a], displacement[a]), most = limit * g.h[a];
-      at[a] = from[a] + (d > most ? most : (d < -most ? -most : d));
+      at[a] = from[a] + std::min(std::max(d, -most), most);
     });
     keep_inside(g, obstacles, from, at);
     for (int a = 0; a < D; ++a) x[D * p + a] = at[a];

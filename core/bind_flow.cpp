@@ -224,11 +224,12 @@ static void bind(nb::module_& m) {
         require_cells(g, depth.size(), "depth");
         require_columns(g, column.size(), "column");
         nb::gil_scoped_release release;
-        density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(), pointer(porosity),
-                          omega, rhs.data());
+        return density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(),
+                                 pointer(porosity), omega, rhs.data());
       },
       "grid"_a, "active"_a, "depth"_a, "column"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
-      "Right-hand side of the position correction: the share of each cell's excess fill to be spread.");
+      "Right-hand side of the position correction: the share of each cell's excess fill to be spread. Its largest "
+      "size.");
   m.def(
       "displace",
       [](G g, FaceFields displacement, OptionalField porosity, OptionalField distance, Field gates, double limit,
@@ -274,6 +275,22 @@ static void bind_sums(nb::module_& m) {
         return face_drag_work(n, mass.data(), inertia.data(), resisted.data(), before.data(), after.data());
       },
       "mass"_a, "inertia"_a, "resisted"_a, "before"_a, "after"_a, "Energy the drag took in a step, per unit density.");
+  m.def(
+      "face_power",
+      [](Field mass, Field u, Field acceleration) {
+        const index n = static_cast<index>(mass.size());
+        for (const Field* f : {&u, &acceleration}) require_size(f->size(), n, "face field");
+        nb::gil_scoped_release release;
+        return face_power(n, mass.data(), u.data(), acceleration.data());
+      },
+      "mass"_a, "u"_a, "acceleration"_a, "Power of the accelerations on the faces of one axis per unit density.");
+  m.def(
+      "all_finite",
+      [](Field x) {
+        nb::gil_scoped_release release;
+        return all_finite(static_cast<index>(x.size()), x.data());
+      },
+      "x"_a, "Whether no number is infinite or NaN.");
   m.def(
       "max_speed",
       [](Field u, OptionalField porosity) {

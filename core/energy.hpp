@@ -40,6 +40,16 @@ inline double face_drag_work(index n, const double* mass, const double* inertia,
       n, [=](index f) { return 0.5 * mass[f] * inertia[f] * resisted[f] * before[f] * (before[f] + after[f]); });
 }
 
+// sum_f m_f u_f f_f over the faces of one axis: the rate of work of the accelerations f
+inline double face_power(index n, const double* mass, const double* u, const double* acceleration) {
+  return sum_by_four(n, [=](index f) { return mass[f] * u[f] * acceleration[f]; });
+}
+
+// Whether all of n numbers are finite: x - x is then 0, else not a number.
+inline bool all_finite(index n, const double* x) {
+  return sum_by_four(n, [=](index i) { return x[i] - x[i]; }) == 0.0;
+}
+
 // max_p |u_a| / n along each axis; NaN if any is. porosity (n,) null: 1.
 template <int D>
 inline std::array<double, D> max_speed(index n, const double* u, const double* porosity) {
@@ -53,8 +63,7 @@ inline std::array<double, D> max_speed(index n, const double* u, const double* p
         return speed;
       },
       [](Speeds most, const Speeds& speed) {
-        for (int a = 0; a < D; ++a)
-          if (speed[a] > most[a] || std::isnan(speed[a])) most[a] = speed[a];
+        for (int a = 0; a < D; ++a) most[a] = (speed[a] > most[a]) | (speed[a] != speed[a]) ? speed[a] : most[a];
         return most;
       });
 }

@@ -46,37 +46,58 @@ struct Level {
       }
     });
   }
+};
 
-  void relax_zero(int colour) {  // the half sweep that starts from x = 0
-    const Real *inverse = this->inverse.c[colour], *b = this->b.c[colour];
-    Real *x = this->x.c[colour], *rest = layout.odd ? this->x.c[1 - colour] : nullptr;
-    sweep(layout, colour, [=](auto, index first, index n) {
+// What the sweeps of a level do to one colour of the pencils from begin to end.
+template <int D, class Real>
+struct Sweeps {
+  std::array<Star<D, Real>, 2> star;
+  std::array<const Real*, 2> b, d, inverse;
+  std::array<Real*, 2> x, r;
+  bool odd;
+
+  explicit Sweeps(const Level<D, Real>& l)
+      : star{Star<D, Real>(l.layout, l.k, l.x, 0), Star<D, Real>(l.layout, l.k, l.x, 1)}, odd(l.layout.odd) {
+    for (int c = 0; c < 2; ++c) {
+      b[c] = l.b.c[c];
+      d[c] = l.d.c[c];
+      inverse[c] = l.inverse.c[c];
+      x[c] = l.x.c[c];
+      r[c] = l.r.c[c];
+    }
+  }
+
+  void relax_zero(const Pencil* begin, const Pencil* end, int colour) const {  // the half sweep that starts from x = 0
+    const Real *inverse = this->inverse[colour], *b = this->b[colour];
+    Real *x = this->x[colour], *rest = odd ? this->x[1 - colour] : nullptr;
+    auto entries = [=](auto, index first, index n) {
       HOULE_INDEPENDENT
       for (index i = first; i < first + n; ++i) x[i] = inverse[i] * b[i];
       if (rest) std::fill(rest + first, rest + first + n, Real(0));
-    });
+    };
+    for (const Pencil* row = begin; row < end; ++row) with_entries(*row, colour, entries);
   }
 
-  void relax(int colour) {
-    exchange(layout, x, 1 - colour);
-    const Star<D, Real> star(layout, k, x, colour);
-    const Real *inverse = this->inverse.c[colour], *b = this->b.c[colour];
-    Real* x = this->x.c[colour];
-    sweep(layout, colour, [=](auto s, index first, index n) {
+  void relax(const Pencil* begin, const Pencil* end, int colour) const {
+    const Star<D, Real> star = this->star[colour];
+    const Real *inverse = this->inverse[colour], *b = this->b[colour];
+    Real* x = this->x[colour];
+    auto entries = [=](auto s, index first, index n) {
       HOULE_INDEPENDENT
       for (index i = first; i < first + n; ++i) x[i] = inverse[i] * (b[i] + star(s, i));
-    });
+    };
+    for (const Pencil* row = begin; row < end; ++row) with_entries(*row, colour, entries);
   }
 
-  void residual(int colour) {
-    exchange(layout, x, 1 - colour);
-    const Star<D, Real> star(layout, k, x, colour);
-    const Real *d = this->d.c[colour], *b = this->b.c[colour], *x = this->x.c[colour];
-    Real* r = this->r.c[colour];
-    sweep(layout, colour, [=](auto s, index first, index n) {
+  void residual(const Pencil* begin, const Pencil* end, int colour) const {
+    const Star<D, Real> star = this->star[colour];
+    const Real *d = this->d[colour], *b = this->b[colour], *x = this->x[colour];
+    Real* r = this->r[colour];
+    auto entries = [=](auto s, index first, index n) {
       HOULE_INDEPENDENT
       for (index i = first; i < first + n; ++i) r[i] = d[i] > 0 ? b[i] + star(s, i) - d[i] * x[i] : 0;
-    });
+    };
+    for (const Pencil* row = begin; row < end; ++row) with_entries(*row, colour, entries);
   }
 };
 
@@ -101,9 +122,9 @@ inline Real coupled(Real k, Real below, Real above) {
   return k / (1 + Real(0.5) * (a + b));
 }
 
-// Coarse coefficients from fine ones.
+// Coarse coefficients from fine ones. coarser: the layout of the level after, null if there is none.
 template <int D, class Real>
-inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
+inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D>* coarser) {
   Layout<D>& lf = fine.layout;
   Layout<D>& lc = coarse.layout;
   for (index p = 0; p < lc.pencils; ++p) {
@@ -126,7 +147,7 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
   }
   auto *f = &fine, *c = &coarse;
   parallel_for(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
-  lc.list(&lf);
+  lc.list(&lf, coarser);
   for_rows(lc, [=](const Pencil& row) {
     constexpr int pencils = 1 << (D - 1);
     const auto child = children(f->layout, row);
@@ -192,66 +213,83 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse) {
   coarse.invert();
 }
 
-// coarse.b = sums of the residuals of fine. Black cells, relaxed last, have none, except at an odd periodic seam.
+// coarse.b = sums of the residuals of fine, one colour of it; the other is added if there is one.
 template <int D, class Real>
-inline void restrict_residual(Level<D, Real>& fine, Level<D, Real>& coarse) {
-  auto* f = &fine;
-  auto* c = &coarse;
-  for (int colour = 0; colour < (fine.layout.odd ? 2 : 1); ++colour) {
-    fine.residual(colour);
-    for_rows(coarse.layout, [=](const Pencil& row) {
-      const auto child = children(f->layout, row);
-      for (int s = 0; s < 2; ++s) {
-        std::array<const Real*, (1 << (D - 1))> r;
-        for (std::size_t i = 0; i < r.size(); ++i) r[i] = f->r.c[colour] + child[i] + s;
-        Real* b = c->b.c[(row.parity + s) & 1] + row.at;
-        HOULE_INDEPENDENT
-        for (index m = row.begin; m < row.end; ++m) {
-          Real sum = r[0][2 * m] + r[1][2 * m];
-          if constexpr (D == 3) sum += r[2][2 * m] + r[3][2 * m];
-          b[m] = colour == 0 ? sum : b[m] + sum;
-        }
-      }
-    });
-  }
-}
-
-// fine.x += coarse.x; in the red cells only where the black ones are overwritten next.
-template <int D, class Real>
-inline void prolong(const Level<D, Real>& coarse, Level<D, Real>& fine) {
+inline void restrict_residual(const Level<D, Real>& fine, const Level<D, Real>& coarse, int colour) {
   auto* f = &fine;
   auto* c = &coarse;
   for_rows(coarse.layout, [=](const Pencil& row) {
-    const Real* even = c->x.c[row.parity] + row.at;
-    const Real* odd = c->x.c[1 - row.parity] + row.at;
-    for (int colour = 0; colour < (f->layout.odd ? 2 : 1); ++colour)
-      for (index at : children(f->layout, row)) {
-        Real* x = f->x.c[colour] + at;
-        HOULE_INDEPENDENT
-        for (index m = row.begin; m < row.end; ++m) {
-          x[2 * m] += even[m];
-          x[2 * m + 1] += odd[m];
-        }
+    const auto child = children(f->layout, row);
+    for (int s = 0; s < 2; ++s) {
+      std::array<const Real*, (1 << (D - 1))> r;
+      for (std::size_t i = 0; i < r.size(); ++i) r[i] = f->r.c[colour] + child[i] + s;
+      Real* b = c->b.c[(row.parity + s) & 1] + row.at;
+      HOULE_INDEPENDENT
+      for (index m = row.begin; m < row.end; ++m) {
+        Real sum = r[0][2 * m] + r[1][2 * m];
+        if constexpr (D == 3) sum += r[2][2 * m] + r[3][2 * m];
+        b[m] = colour == 0 ? sum : b[m] + sum;
       }
+    }
   });
 }
 
-// One V-cycle for levels[i].x from levels[i].b, symmetric and positive definite. An even number of half sweeps.
+// fine.x += coarse.x on the fine pencils from begin to end; in the red cells only where the black ones are overwritten
+// next.
+template <int D, class Real>
+inline void prolong(const Level<D, Real>& coarse, const Level<D, Real>& fine, const Pencil* begin, const Pencil* end) {
+  for (int colour = 0; colour < (fine.layout.odd ? 2 : 1); ++colour)
+    for (const Pencil* row = begin; row < end; ++row) {
+      const Real* even = coarse.x.c[row->parent_parity] + row->parent;
+      const Real* odd = coarse.x.c[1 - row->parent_parity] + row->parent;
+      Real* x = fine.x.c[colour] + row->at;
+      HOULE_INDEPENDENT
+      for (index m = row->begin / 2; m < (row->end + 1) / 2; ++m) {
+        x[2 * m] += even[m];
+        x[2 * m + 1] += odd[m];
+      }
+    }
+}
+
+// One V-cycle for levels[i].x from levels[i].b, symmetric and positive definite. An even number of half sweeps. Black
+// cells, relaxed last, have no residual, except at an odd periodic seam.
 template <int D, class Real>
 inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
-  auto& level = levels[i];
+  Level<D, Real>& level = levels[i];
+  const Layout<D>& layout = level.layout;
+  const Sweeps<D, Real> sweeps(level);
+  const auto fetch = [&](int k) {  // what operation k reads across periodic ends: the colour it does not write
+    if (k > 0) exchange(layout, level.x, 1 - k % 2);
+  };
   if (i + 1 == levels.size()) {  // a single cell
-    level.relax_zero(0);
-    level.relax_zero(1);
+    const Pencil* rows = layout.rows.data();
+    for (int colour = 0; colour < 2; ++colour) sweeps.relax_zero(rows, rows + layout.rows.size(), colour);
     return;
   }
+  Level<D, Real>& coarse = levels[i + 1];
   const int half_sweeps = i == 0 ? 4 : 6;
-  level.relax_zero(0);
-  for (int s = 1; s < half_sweeps; ++s) level.relax(s % 2);
-  restrict_residual(level, levels[i + 1]);
+  in_turn(layout, half_sweeps + 1, fetch, [=](int k, const Pencil* begin, const Pencil* end) {
+    if (k == 0)
+      sweeps.relax_zero(begin, end, 0);
+    else if (k < half_sweeps)
+      sweeps.relax(begin, end, k % 2);
+    else
+      sweeps.residual(begin, end, 0);
+  });
+  restrict_residual(level, coarse, 0);
+  if (layout.odd) {
+    exchange(layout, level.x, 0);
+    for_rows(layout, [=](const Pencil& row) { sweeps.residual(&row, &row + 1, 1); });
+    restrict_residual(level, coarse, 1);
+  }
   cycle(levels, i + 1);
-  prolong(levels[i + 1], level);
-  for (int s = 1; s <= half_sweeps; ++s) level.relax(s % 2);
+  const Level<D, Real>*from = &coarse, *onto = &level;
+  in_turn(layout, half_sweeps + 1, fetch, [=](int k, const Pencil* begin, const Pencil* end) {
+    if (k == 0)
+      prolong(*from, *onto, begin, end);
+    else
+      sweeps.relax(begin, end, k % 2);
+  });
 }
 
 }  // namespace houle::multigrid

@@ -50,38 +50,57 @@ inline Team::Loop loop_of(const Body& body, index chunk, int shares) {
           chunk, shares};
 }
 
-// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this per thread are not worth waking it.
-template <class Body>
-inline void parallel_for(index n, const Body& body, index grain = 1024) {
+// The first of i = 0..n-1 that lies in a share or a later one. place(i) tells where in the work i lies, growing from 0
+// to 1.
+template <class Place>
+inline index share_bound(index n, int shares, int share, Place place) {
+  if (share == shares) return n;
+  index low = 0, high = n;
+  while (low < high) {
+    const index middle = (low + high) / 2;
+    if (place(middle) * shares < share)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+// Calls body(i) for i = 0..n-1, in any order. bound(s, shares): where share s begins. grain: fewer iterations than this
+// per thread are not worth waking it.
+template <class Bound, class Body>
+inline void parallel_for_shares(index n, Bound bound, const Body& body, index grain) {
   constexpr index chunks = 4;  // per share: what the other threads can take over
   Team& team = Team::shared();
-  const index shares = std::min<index>(team.size(), n / grain);
+  const int shares = static_cast<int>(std::min<index>(team.size(), n / grain));
   if (shares > 1) {
     const index chunk = (n + chunks * shares - 1) / (chunks * shares);
-    if (team.run(loop_of(body, chunk, static_cast<int>(shares)), [=](index s) { return n * s / shares; })) return;
+    if (team.run(loop_of(body, chunk, shares), [=](int s) { return bound(s, shares); })) return;
   }
   run_share(0, n, body);
 }
 
+template <class Body>
+inline void parallel_for(index n, const Body& body, index grain = 1024) {
+  parallel_for_shares(n, [=](int s, int shares) { return n * s / shares; }, body, grain);
+}
+
+// The same for iterations of unequal work.
+template <class Place, class Body>
+inline void parallel_for_placed(index n, Place place, const Body& body, index grain) {
+  parallel_for_shares(n, [=](int s, int shares) { return share_bound(n, shares, s, place); }, body, grain);
+}
+
 // Calls body(i) for few and heavy i = 0..n-1 (slabs), colour by colour: no two of different colours at the same time.
-// place(i), growing from 0 to 1, tells where in the work i lies; a thread begins with what lies in its share.
 template <class Colour, class Place, class Body>
 inline void parallel_for_coloured(index n, int colours, Colour colour, Place place, const Body& body) {
   Team& team = Team::shared();
   const int shares = static_cast<int>(std::min<index>(team.size(), n));
-  const auto bound = [=](int s) {  // the first i that lies in share s or later
-    index low = 0, high = s < shares ? n : 0;
-    if (s == shares) return n;
-    while (low < high) {
-      const index middle = (low + high) / 2;
-      (place(middle) * shares < s ? low : high) = middle + (place(middle) * shares < s);
-    }
-    return low;
-  };
   for (int now = 0; now < colours; ++now) {
     const auto pass = [=](index i) {
       if (colour(i) == now) run_share(i, i + 1, body);
     };
+    const auto bound = [=](int s) { return share_bound(n, shares, s, place); };
     if (shares < 2 || !team.run(loop_of(pass, 1, shares), bound)) run_share(0, n, pass);
   }
 }

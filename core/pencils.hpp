@@ -6,6 +6,7 @@
 // cells.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -21,9 +22,12 @@ constexpr int width = 8;  // ranges are whole multiples of this many entries: no
 struct Pencil {
   index at;                 // entry m = 0 in every array of the level
   index child;              // the same of its first pencil on the finer level
+  index parent;             // the same of the pencil on the coarser level that it is part of
   std::int32_t begin, end;  // its active cells are among the entries [begin, end) ...
   std::int32_t lo, hi;      // ... and these are inside [lo, hi), whole vectors
   std::int32_t parity;      // cell j = 2 m + s is of colour (parity + s) % 2
+  std::int32_t parent_parity;
+  index before;  // entries of the pencils listed before
 };
 
 struct Seam {         // a pencil at one end of a periodic axis and the ghost pencil beyond the other end
@@ -61,6 +65,8 @@ struct Layout {
   std::vector<std::int32_t> first, last;         // active cells of every pencil inside: j in [first, last)
   std::vector<std::int32_t> old_begin, old_end;  // active entries at the last setup
   std::vector<Pencil> rows;                      // the pencils with active cells
+  std::vector<index> slice;                      // first row of each slice across the first axis, and the end
+  std::vector<index> load;                       // entries in the slices before each, and in all
   std::vector<Seam> seams;
   index grain = 1;
   bool odd = false;  // an odd periodic axis: there cells of one colour meet, and relaxing one leaves residuals in it
@@ -94,7 +100,12 @@ struct Layout {
       }
     }
     grain = std::max<index>(1, 4096 / half);
+    slice.assign(n[0] + 1, 0);
+    load.assign(n[0] + 1, 0);
   }
+
+  double part() const { return 1.0 / static_cast<double>(std::max<index>(1, load[n[0]])); }  // that an entry is of all
+  bool wrapped() const { return shift > 0 || !seams.empty(); }
 
   std::array<index, D> place(index pencil) const {  // its indices; the last entry is unused
     std::array<index, D> i{};
@@ -135,19 +146,28 @@ struct Layout {
     return old_begin[p] < old_end[p] && (old_begin[p] < now.begin || old_end[p] > now.end);
   }
 
-  // Lists the non-empty pencils and the periodic seams, once first and last are known.
-  void list(const Layout* finer) {
+  // Lists the non-empty pencils, once first and last are known. finer, coarser: the levels beside, null if none.
+  void list(const Layout* finer, const Layout* coarser) {
     rows.clear();
     for (index p = 0; p < pencils; ++p) {
-      if (first[p] >= last[p]) continue;
-      Pencil r = pencil(p);
       const auto i = place(p);
-      if (finer) {
-        auto j = i;
-        for (int a = 0; a < D - 1; ++a) j[a] *= 2;
-        r.child = finer->offset(j);
+      slice[i[0] + 1] = static_cast<index>(rows.size());
+      if (p % (pencils / n[0]) == 0) load[i[0] + 1] = load[i[0]];
+      if (first[p] < last[p]) {
+        Pencil r = pencil(p);
+        auto fine = i, coarse = i;
+        for (int a = 0; a < D - 1; ++a) {
+          fine[a] *= 2;
+          coarse[a] /= 2;
+          r.parent_parity ^= static_cast<std::int32_t>(coarse[a] & 1);
+        }
+        if (finer) r.child = finer->offset(fine);
+        if (coarser) r.parent = coarser->offset(coarse);
+        r.before = load[i[0] + 1];
+        rows.push_back(r);
+        load[i[0] + 1] += r.hi - r.lo;
       }
-      rows.push_back(r);
+      slice[i[0] + 1] = static_cast<index>(rows.size());
     }
   }
 };
@@ -216,7 +236,10 @@ class Mask {
 template <int D, class Body>
 inline void for_rows(const Layout<D>& l, Body body) {
   const Pencil* rows = l.rows.data();
-  parallel_for(static_cast<index>(l.rows.size()), [=](index i) { body(rows[i]); }, l.grain);
+  parallel_for_placed(
+      static_cast<index>(l.rows.size()),
+      [=, part = l.part()](index i) { return part * static_cast<double>(rows[i].before); },
+      [=](index i) { body(rows[i]); }, l.grain);
 }
 
 // Calls body(s, i, n) for the entries [i, i + n) of one colour in one pencil; s is 0 or 1: they are the cells j = 2 m +
@@ -233,6 +256,45 @@ inline void with_entries(const Pencil& row, int colour, Body& body) {
 template <int D, class Body>
 inline void sweep(const Layout<D>& l, int colour, Body body) {
   for_rows(l, [=](const Pencil& row) { with_entries(row, colour, body); });
+}
+
+// Operations 0 .. count - 1 on every pencil: op(k, begin, end), on the pencils from begin to end, reads what operation
+// k - 1 has left in them and in those beside them. before(k) is called before operation k where pencils meet across a
+// periodic end.
+//
+// Where none do, a block of slices goes through all operations, one block per thread, without waiting for the others.
+// With every operation it leaves out one slice more towards its neighbours: the wedge between two blocks is done when
+// both are.
+template <int D, class Before, class Op>
+inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
+  const Pencil* rows = l.rows.data();
+  if (l.wrapped()) {
+    for (int k = 0; k < count; ++k) {
+      before(k);
+      parallel_for(static_cast<index>(l.rows.size()), [=](index r) { op(k, rows + r, rows + r + 1); }, l.grain);
+    }
+    return;
+  }
+  constexpr index enough = 4096, most = 64;  // entries in a block, over all operations; blocks
+  const index slices = l.n[0], narrowest = 2 * count, entries = l.load[slices];
+  const index blocks =
+      std::max<index>(1, std::min<index>({get_threads(), most, slices / (2 * narrowest), count * entries / enough}));
+  std::array<index, most + 1> bound{};
+  for (index b = 1; b < blocks; ++b) {  // equal work
+    const auto place = std::lower_bound(l.load.begin(), l.load.end(), entries * b / blocks) - l.load.begin();
+    bound[b] = std::clamp<index>(place, bound[b - 1] + narrowest, slices - (blocks - b) * narrowest);
+  }
+  bound[blocks] = slices;
+  const index* slice = l.slice.data();
+  const auto part = [=](index q) {  // even: block, odd: wedge; operation k on the slices [from + k a, to + k b)
+    const bool wedge = q % 2 == 1;
+    const index from = bound[(q + 1) / 2], to = wedge ? from : bound[q / 2 + 1];
+    const index a = wedge ? -1 : from > 0, b = wedge ? 1 : -(to < slices);
+    for (int k = 0; k < count; ++k) op(k, rows + slice[from + k * a], rows + slice[to + k * b]);
+  };
+  const auto colour = [](index q) { return static_cast<int>(q % 2); };
+  const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks - 1); };
+  parallel_for_coloured(2 * blocks - 1, 2, colour, place, part);
 }
 
 // Copies what lies beyond the periodic ends (of one axis, or of all) into the ghost entries of one colour.

@@ -33,7 +33,7 @@ class PressureSolver {
   void setup(const std::uint8_t* active, ConstFaces<D> k, const double* e) {
     mask_.copy(fine(), active);
     build_fine(k, e);
-    for (std::size_t i = 1; i < levels_.size(); ++i) multigrid::coarsen(levels_[i - 1], levels_[i]);
+    for (std::size_t i = 1; i < levels_.size(); ++i) multigrid::coarsen(levels_[i - 1], levels_[i], coarser(i));
     components_.find(fine(), mask_, k, e);
   }
 
@@ -103,6 +103,9 @@ class PressureSolver {
   double scale_ = 1;
 
   multigrid::Layout<D>& fine() { return levels_[0].layout; }
+  const multigrid::Layout<D>* coarser(std::size_t i) const {
+    return i + 1 < levels_.size() ? &levels_[i + 1].layout : nullptr;
+  }
 
   static std::vector<multigrid::Level<D, Real>> hierarchy(const Grid<D>& grid) {
     std::vector<multigrid::Level<D, Real>> levels;
@@ -119,7 +122,7 @@ class PressureSolver {
     auto* self = this;
     auto& l = fine();
     parallel_for(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
-    l.list(nullptr);
+    l.list(nullptr, coarser(0));
     parallel_for(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
     auto& level = levels_[0];
     for (int a = 0; a < D; ++a)
@@ -280,8 +283,9 @@ class PressureSolver {
     const auto n = static_cast<index>(fine().rows.size());
     const int colours = this->colours();
     const index blocks = (n + block - 1) / block;
-    parallel_for(
-        blocks,
+    const double share = fine().part();
+    parallel_for_placed(
+        blocks, [=](index b) { return share * static_cast<double>(rows[b * block].before); },
         [=](index b) {
           double lanes[multigrid::width] = {};
           for (index p = b * block; p < std::min(n, (b + 1) * block); ++p)

@@ -91,7 +91,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
         m.porosity if flow.porous else None, flow.no_slip, flow.extra,
     )  # fmt: skip
     parts = zip(flow.work.face_mass, flow.velocity, flow.extra, strict=True)
-    ledger.viscous_work -= dt * sum(float(np.sum(m_f * u * f)) for m_f, u, f in parts)  # no BLAS: its threads spin
+    ledger.viscous_work -= dt * sum(_core.face_power(*part) for part in parts)
 
 
 def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
@@ -249,7 +249,7 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         g.core, flow.active, flow.depth, flow.open_faces, [], [], LEAST_DEPTH_CORRECTION,
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
-    _core.density_excess(
+    largest = _core.density_excess(
         g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, work.rhs
     )
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)

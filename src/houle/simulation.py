@@ -189,7 +189,7 @@ class Simulation:
     def _check(self) -> None:
         """Stops a run that is no longer a flow."""
         p = self.particles
-        if not np.isfinite(p.velocity).all() or not np.isfinite(p.position).all():
+        if not (_core.all_finite(p.velocity) and _core.all_finite(p.position)):
             raise SimulationError(
                 "the velocity is no longer a number", diagnosis="A particle velocity became infinite or not a number."
             )
