@@ -36,6 +36,7 @@ def compare(run: Run) -> list[Check]:
         report(
             "lowest level at the bank", 1e3 * fallen, "mm", note=f"drawdown of the ship (Schijf) {-1e3 * SCHIJF:.0f}"
         ),
+        report("level at the bank in the last 3 s", 1e3 * float(level["G2"][time > time[-1] - 3].mean()), "mm"),
         report("largest exit gradient", leaving.largest, note=f"critical {leaving.critical:.2f}"),
         report("safety against the critical gradient", leaving.safety),
         report("time above the critical gradient", leaving.time_above, "s"),

@@ -27,7 +27,7 @@ def compare(run: Run) -> list[Check]:
     depth, fine = waves.depth, run.case.domain.spacing < 0.011
     time, eta = run.series.time.values, run.series.eta.transpose("gauge", "time").values - depth
     x = run.series.gauge_x.values
-    coming = time < (x[-1] + 1.0) / np.sqrt(gravity * depth)  # not yet back from the wall
+    coming = time < time[eta[-1].argmax()]  # not yet back from the wall
     peaks = np.array([peak(time[coming], row) for row in eta[:-1, coming]])
     crest = peaks[:, 1]
     speed = float(np.polyfit(peaks[:, 0], x[:-1], 1)[0])
