@@ -18,6 +18,7 @@ from houle.output.section import title
 
 Curves = dict[str, FloatArray]
 LEFT = 0.78  # inches, for numbers and units
+MOST = 10  # gauges in a picture
 
 
 def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
@@ -28,7 +29,7 @@ def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
     iterations = {"pressure": "pressure_iterations", "correction": "correction_iterations"}
     panels: list[tuple[str, str, Curves]] = [
         ("Energy, change since the start", energy, _energies(series)),
-        ("Energy by operation, summed", energy, _named(series, split)),
+        ("Energy of the particles by operation, summed", energy, _named(series, split)),
         ("Water volume, relative drift", "", _named(series, {"": "volume_drift"})),
         ("Mean level, change", "mm", level),
         ("Iterations", "per step", _named(series, iterations)),
@@ -46,17 +47,21 @@ def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
 
 
 def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
-    """The free surface at each gauge, pressure and horizontal Darcy velocity at the sensors."""
+    """The free surface at the gauges, of many at some; pressure and horizontal Darcy velocity at the sensors."""
     rows: list[tuple[str, str, Curves]] = []
+    words = "gauges and sensors  ·  a gap is a dry gauge"
     if "eta" in series:
-        for g, name in enumerate(_places(series, "gauge", "{axis} = {value:g} m")):
-            rows.append((f"Level at {name}", "m", {"": series["eta"].values[g]}))
+        names = _places(series, "gauge", "{axis} = {value:g} m")
+        chosen = np.unique(np.linspace(0, len(names) - 1, min(MOST, len(names))).round().astype(int))
+        if len(chosen) < len(names):
+            words += f"  ·  {len(chosen)} of {len(names)} gauges, the others are in series.nc"
+        for g in chosen:
+            rows.append((f"Level at {names[g]}", "m", {"": series["eta"].values[g]}))
     if "pressure" in series:
         names = _places(series, "sensor", "{value:g}")
         pressure, velocity = series["pressure"].values, series["velocity"].values
         rows.append(("Pressure", "kPa", {name: pressure[s] / 1e3 for s, name in enumerate(names)}))
         rows.append(("Darcy velocity along x", "m/s", {n: velocity[s, :, 0] for s, n in enumerate(names)}))
-    words = "gauges and sensors  ·  a gap is a dry gauge"
     right = 1.55 if any(len(curves) > 1 or "" not in curves for _, _, curves in rows) else 0.3  # for the names
     axes = ", ".join("xz" if grid.dimension == 2 else "xyz")
     with drawing.style():

@@ -121,11 +121,14 @@ class Sheet:
             borderaxespad=0,
         )
 
-    def label_outside(self, x: str, y: str) -> None:
-        """Axis labels and numbers at the left and lower sides of the sheet only, once the limits are set."""
+    def label_outside(self, x: str, y: str, away: float = 31.0) -> None:
+        """Axis labels and numbers at the left and lower sides of the sheet only, once the limits are set.
+
+        y: so many points away.
+        """
         for i, panel in enumerate(self.panels):
             last = i + self.columns >= len(self.panels)
-            label(panel, x if last else "", y if i % self.columns == 0 else "")
+            label(panel, x if last else "", y if i % self.columns == 0 else "", away)
             scales(panel, last, i % self.columns == 0)
 
 
@@ -260,7 +263,7 @@ def draw_bodies(
         dash: Any = (0, (4, 2)) if over else "-"
         panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
         if words and body.words:
-            x, z = body.outline[:, 0].mean(), body.outline[:, 1].max()
+            x, z = body.outline[:, 0].mean(), min(body.outline[:, 1].max(), panel.get_ylim()[1])
             ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
             look: Any = {
                 "ha": "center",

@@ -51,6 +51,8 @@ def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: la
     score = laboratory.score(points, surface) if points else None
     rms = dict(zip(score.times, score.rms, strict=True)) if score else {}
     section = Section(case, grid, [np.nanmax(surface["eta"].values, initial=0.0), *(points.eta if points else [])])
+    if points is None:
+        section.look_close(surface["eta"].values)
     with drawing.style():
         page = section.sheet(len(times), _surface_words(case, grid, points, score), below=0.22)
         for panel, time in zip(page.panels, times, strict=True):
@@ -60,7 +62,7 @@ def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: la
             panel.plot(x, eta, color=WATER, lw=1.5, zorder=3)
             _laboratory(panel, points, time, case)
             headings(panel, f"t = {time:.4g} s", f"rms {1e3 * rms[time]:.1f} mm" if time in rms else "")
-        page.label_outside("x [m]", "z [m]")
+        page.label_outside("x [m]", "z [m]", away=42.0 if section.floor else 31.0)
         page.legend([Line2D([], [], color=WATER, lw=1.5, label="computed"), *_laboratory_key(points, case)])
         return page.save(path)
 
@@ -154,5 +156,8 @@ def _times(available: FloatArray, points: laboratory.Points | None) -> list[floa
     if reached:
         start = available[0] < reached[0] and len(reached) in (3, 5)  # the start fills the sheet
         return [float(available[0]), *reached] if start else reached
-    chosen = np.unique(np.linspace(0, len(available) - 1, min(MOST, len(available))).round().astype(int))
+    wanted = np.linspace(available[0], available[-1], min(MOST, len(available)))
+    chosen = np.unique([np.argmin(np.abs(available - t)) for t in wanted])
+    if len(chosen) > 2 and available[chosen[-1]] - available[chosen[-2]] < 0.5 * (wanted[1] - wanted[0]):
+        chosen = np.delete(chosen, -2)  # the end of a run, just after the frame before it
     return [float(available[i]) for i in chosen]

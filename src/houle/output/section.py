@@ -18,6 +18,8 @@ from houle.output.drawing import Sheet, sheet
 
 WIDER = 1.42  # side of a mark over that of the square the particle fills: the water has no gaps
 STRETCHED = 5.5  # longest panel, length over height; a longer flume is stretched upwards
+LOW = 0.12  # share of the still water depth below which waves are too low to be seen beside it
+CLOSE = 1.6  # heights of such waves that are shown above and below still water
 
 
 class Section:
@@ -32,7 +34,13 @@ class Section:
         self.bands = drawing.bands(case, self.y)
         highest = max([*(float(level) for level in levels), *tops], default=0.0)
         air = 1.35 if self.waves else 1.15  # for the words
-        self.height = min(grid.size[-1], air * highest) if highest > 0 else grid.size[-1]
+        self.floor, self.height = 0.0, min(grid.size[-1], air * highest) if highest > 0 else grid.size[-1]
+
+    def look_close(self, eta: FloatArray) -> None:
+        """Shows the surface only, if what moves in eta [m] are low waves."""
+        moved = float(np.nanmax(np.abs(eta - self.still_water), initial=0.0))
+        if self.waves and 0.0 < 2 * moved < LOW * self.still_water:
+            self.floor, self.height = (self.still_water + s * 2 * CLOSE * moved for s in (-1, 1))
 
     @property
     def waves(self) -> bool:
@@ -50,17 +58,19 @@ class Section:
 
     def sheet(self, count: int, words: str, below: float) -> Sheet:
         """Panels to scale; those of a long flume one under the other. below: inches for a legend or a colour bar."""
-        ratio = self.grid.size[0] / self.height
+        ratio = self.grid.size[0] / (self.height - self.floor)
         columns = 1 if ratio > 4 else min(count, 2 if count in (2, 4) else 3)
         across = {1: 7.5, 2: 4.2, 3: 3.1}[columns]
         size = (across, across / min(ratio, STRETCHED))
         if ratio > STRETCHED:
-            words += f"  ·  heights stretched {ratio / STRETCHED:.2g} times"
-        return sheet(count, columns, size, title(self.case), words, margins=(0.62, 0.3, 0.5 + below, 0.95))
+            times = ratio / STRETCHED
+            words += f"  ·  heights stretched {round(times, 1 if times < 10 else None):g} times"
+        left = 0.78 if self.floor else 0.62  # for numbers of more digits
+        return sheet(count, columns, size, title(self.case), words, margins=(left, 0.3, 0.5 + below, 0.95))
 
     def draw(self, panel: Axes, time: float, *, over: bool = False) -> list[Line2D]:
         """Everything that stands still, and the gates as they are at this time [s], which are returned."""
-        panel.set(xlim=(0, self.grid.size[0]), ylim=(0, self.height))
+        panel.set(xlim=(0, self.grid.size[0]), ylim=(self.floor, self.height))
         panel.spines["right"].set_visible(True)
         drawing.draw_bodies(panel, self.porous, self.solid, over=over)
         if self.waves:
