@@ -67,6 +67,7 @@ def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
         "energy_exchange": "carried through open sides", "sponge_work": "taken by sponges and zone",
         "drag_work": "taken by the porous drag", "viscous_work": "taken by viscosity", "stored": "stored",
     }  # fmt: skip
-    lines = [(word, f"{entry[n]:+.4g} {unit}") for n, word in words.items() if entry.get(n) or n == "source_work"]
-    share = f"{100 * entry['lost_per_wavelength']:.2f} % of the energy of the waves per wavelength"
-    return [*lines, ("lost in numbers", f"{entry['lost']:+.4g} {unit}: {share}")]
+    least = 1e-9 * max(abs(entry[n]) for n in words if n in entry)
+    lines = [(word, f"{entry[n]:+.4g} {unit}") for n, word in words.items() if abs(entry.get(n, 0.0)) > least]
+    share = f"{100 * entry['lost_per_wavelength']:.2f} %"
+    return [*lines, ("lost in numbers", f"{entry['lost']:+.4g} {unit}"), ("  of the energy, per wavelength", share)]

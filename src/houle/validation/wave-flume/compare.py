@@ -71,7 +71,7 @@ def _travelling(run: Run) -> list[Check]:
         Check("rms distance from Fenton, of H", 100 * _shape_error(run, wave), "%", SHAPE, note="phase fitted"),
         *_second_harmonic(run, wave),
         Check("reflection of the sponge", 100 * card.reflection, "%", SPURIOUS),
-        Check("mean level, drift in the window", 1e3 * abs(card.drift), "mm", LEVEL),
+        Check("mean level, drift in the window", 1e3 * abs(card.drift), "mm", LEVEL if not steep else None),
         report("mean level off still water", 1e3 * card.set_down, "mm"),
         Check("energy lost in numbers, per wavelength", 100 * _lost(run), "%", LOSS),
     ]
@@ -130,22 +130,24 @@ def _shape_error(run: Run, wave: Wave) -> float:
 
 
 def _second_harmonic(run: Run, wave: Wave) -> list[Check]:
-    """Amplitudes of the part that is bound to the first, running with it, and of free waves of twice the frequency."""
+    """Amplitudes of the part that is bound to the first, running with it, and of free waves of twice the frequency.
+
+    Free waves to the left are left out: with five gauges to a wavelength, they look like the bound ones.
+    """
     parts = wave.components()
     if parts is None or len(parts.k) < 2:
         return []
     start, end = _window(run, wave)
     late = run.series.sel(time=slice(start, end))
     eta, x = late.eta.transpose("gauge", "time").values, late.gauge_x.values
-    second = analysis.harmonics(late.time.values, eta, wave.omega)[:, 2]
+    second = analysis.harmonics(late.time.values, eta, wave.omega, 3)[:, 2]
     free = float(analysis.wave_number(2 * wave.omega, wave.depth))
-    waves = np.exp(1j * np.outer(x, [2 * wave.k, free, -free]))
-    bound, along, back = np.abs(np.linalg.lstsq(waves, second, rcond=None)[0]) / wave.height
+    waves = np.exp(1j * np.outer(x, [2 * wave.k, free]))
+    bound, along = np.abs(np.linalg.lstsq(waves, second, rcond=None)[0]) / wave.height
+    exact = 100 * parts.amplitude[1] / wave.height
     return [
-        report(
-            "bound second harmonic, of H", 100 * bound, "%", note=f"Fenton {100 * parts.amplitude[1] / wave.height:.2f}"
-        ),
-        report("free second harmonic, of H", 100 * along, "%", note=f"and {100 * back:.2f} % from the sponge"),
+        report("bound second harmonic, of H", 100 * bound, "%", note=f"Fenton {exact:.2f}"),
+        report("free second harmonic, of H", 100 * along, "%"),
     ]
 
 
