@@ -197,7 +197,7 @@ def test_a_wave_on_a_current_has_the_length_that_doppler_gives_it():
         {"velocity": current, **side},
         {"velocity": -current, **side},
         size=size,
-        spacing=0.03125,
+        spacing=0.04,
         velocity=current,
         waves={
             "kind": "regular", "height": 0.02, "period": period, "depth": DEPTH, "current": current,
@@ -233,7 +233,7 @@ def test_a_zone_at_an_open_side_carries_the_volume_of_a_long_wave(tmp_path):
     (tmp_path / "trough.csv").write_text(f"t_s,eta_m\n{rows}\n")
     case = {
         "case": {"name": "trough"},
-        "domain": {"size": [4.0, 0.375], "spacing": 0.03125},
+        "domain": {"size": [4.0, 0.4], "spacing": 0.05},
         "water": [{"below": DEPTH}],
         "waves": {
             "kind": "series",
@@ -248,7 +248,7 @@ def test_a_zone_at_an_open_side_carries_the_volume_of_a_long_wave(tmp_path):
     lowest = 0.0
     while sim.time < 14.0:
         sim.advance(14.0)
-        lowest = min(lowest, float(sim.flow.eta[-16:].mean()) - DEPTH)
+        lowest = min(lowest, float(sim.flow.eta[-10:].mean()) - DEPTH)
     assert lowest == pytest.approx(-0.020, rel=0.08)  # at a wall the zone reaches -0.016 and heaps up 0.06 behind it
     assert np.abs(sim.flow.eta[4:] - DEPTH).max() < 0.001
     assert sim.ledger.outflow > 0.02 and sim.ledger.inflow == pytest.approx(sim.ledger.outflow, rel=0.05)
