@@ -28,7 +28,7 @@ Overrides = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key: domain.spacing=0.01. Repeatable.")
 ]
 Threads = Annotated[int | None, typer.Option(min=1, help="Threads; all cores when left out. Results do not change.")]
-Until = Annotated[float | None, typer.Option(help="Stop at this simulated time [s]; `houle resume` goes on.")]
+Until = Annotated[float | None, typer.Option(help="Stop at this simulated time, in seconds; `houle resume` goes on.")]
 
 
 def ending(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -178,7 +178,7 @@ def reproduce(
         Path | None, typer.Option(metavar="FILE", help="Write the page here, its figures beside it, not into DIR.")
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="The main runs on coarser grids, some minutes.")] = False,
-    spacing: Annotated[float | None, typer.Option(help="Grid spacing of all runs [m].")] = None,
+    spacing: Annotated[float | None, typer.Option(help="Grid spacing of all runs, in metres.")] = None,
     only: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="Only this run; wave-* for several. Repeatable.")
     ] = None,

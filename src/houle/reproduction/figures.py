@@ -114,6 +114,7 @@ def offsets(path: Path, pairs: Sequence[Pair]) -> Path:
         for panel, found in zip(page.panels, ends, strict=True):
             panel.set_xlim(0, None)
             label(panel, "t [s]", "")
+            drawing.scales(panel, True, True)
             drawing.label_ends(panel, found)
         return page.save(path)
 
@@ -141,7 +142,6 @@ def velocities(path: Path, wave: WaveRun, row: Printed, largest: float) -> Path:
                 _points(panel, wave, wave.read(time))
             headings(panel, left, right)
             panel.set(xlim=reach, ylim=(0, HEIGHT))
-            panel.set_yticks([0, 0.1, 0.2, 0.3])
         page.label_outside("x from the source [m]", "z [m]")
         colour_bar(page, image, "$u_x$ [m/s]")
         return page.save(path)
@@ -233,9 +233,12 @@ def _rows(panel: Axes, found: Found, flume: int) -> None:
             _mark(panel, i, w)
             if np.isfinite(w.theory):
                 panel.plot(i, w.theory, "_", color=INK, ms=14, mew=1.4, zorder=4)
-    panel.set_xticks(range(len(names)), names)
+    under: Any = {"xycoords": panel.get_xaxis_transform(), "textcoords": "offset points", "ha": "center", "va": "top"}
+    for i, name in enumerate(names):
+        panel.annotate(name, (i, 0.0), (0, -6), **under)
     panel.set_xlim(-0.6, len(names) - 0.4)
     panel.set_ylim(0, None)
+    drawing.scales(panel, False, True)
     headings(panel, f"The rows of table 1, flume of {flume} m")
 
 
@@ -258,6 +261,7 @@ def _periods(panel: Axes, found: Found, curves: dict[float, list[tuple[float, fl
             _mark(panel, w.entry["period"], w)
     panel.set_ylim(0, None)
     label(panel, "T [s]", "")
+    drawing.scales(panel, True, True)
     headings(panel, f"Upright, {1e3 * lowest:.0f} mm: periods and grains")
     drawing.label_ends(panel, ends)
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from houle.output.atomic import write_text
 from houle.progress import duration
+from houle.reflection import first_harmonic, wave_of
 from houle.reproduction import figures
 from houle.reproduction.measured import INSTANTS, Found, Pair, Printed, WaveRun, lorentz
 from houle.reproduction.pack import pack
@@ -137,7 +138,7 @@ def _dam(pairs: Sequence[Pair]) -> str:
     for pair in pairs:
         for t in INSTANTS:
             ours, papers = pair.gain(pair.ours, t), pair.gain(pair.papers, t)
-            rows.append((pair.name, f"{t:g}", f"{100 * ours:+.2g} %", f"{100 * papers:+.1f} %",
+            rows.append((pair.name, f"{t:g}", _change(ours), _change(papers),
                          f"{1e3 * pair.offset(t):+.1f} mm", f"{1e3 * pair.apart(t):.1f} mm"))  # fmt: skip
     return _table(head, rows)
 
@@ -162,7 +163,7 @@ def _one(found: Found) -> str:
                 continue
             rows.append(
                 (f"{p.slope}°, {p.height:g} m", f"{flume} m", f"{w.highest:.3f}", f"{w.lowest:.3f}", f"{p.C_R:.3f}",
-                 f"{w.formula.C_R:.3f}", f"{w.envelope:.3f}", _sure(w), f"{1e3 * w.H_I:.1f} mm", _number(w.theory))
+                 f"{w.formula.C_R:.3f}", f"{w.envelope:.3f}", _sure(w), _height_of(w), _number(w.theory))
             )  # fmt: skip
     return _table(head, rows)
 
@@ -204,7 +205,7 @@ def _changed(found: Found) -> str:
         others = [w for w in found.of("sensitivity", p.slope, p.height) if w.entry]
         for w in ([first] if first else []) + others:
             rows.append((f"{p.slope}°, {p.height:g} m", w.job.changed or "as in table 1", f"{w.formula.C_R:.3f}",
-                         _sure(w), f"{1e3 * w.H_I:.1f} mm", _number(w.theory)))  # fmt: skip
+                         _sure(w), _height_of(w), _number(w.theory)))  # fmt: skip
     return _table(head, rows)
 
 
@@ -320,8 +321,8 @@ def _odd(table: Sequence[Printed], depth: float) -> str:
 def _defect(pairs: Sequence[Pair]) -> str:
     t = INSTANTS[-1]
     parts = [
-        f"{pair.name} {100 * pair.gain(pair.papers, t):+.1f} % of water and {1e3 * pair.offset(t):+.1f} mm of mean "
-        f"level at {t:g} s (ours {100 * pair.gain(pair.ours, t):+.1g} %)"
+        f"{pair.name} {_change(pair.gain(pair.papers, t))} of water and {1e3 * pair.offset(t):+.1f} mm of mean "
+        f"level at {t:g} s (ours {_change(pair.gain(pair.ours, t))})"
         for pair in pairs
     ]
     return "; ".join(parts) or "not computed"
@@ -338,6 +339,16 @@ def _trend(found: Found) -> str:
         sure = math.hypot(*(0.5 * (w.interval[1] - w.interval[0]) for w in (one, other)))
         parts.append(f"{height:g} m: separated C_R falls by {one.C_R - other.C_R:.3f} ± {sure:.3f}")
     return "; ".join(parts) or "not computed"
+
+
+def _height_of(w: WaveRun) -> str:
+    wanted = first_harmonic(wave_of(w.run.case))
+    return f"{1e3 * w.H_I:.1f} of {1e3 * wanted:.1f} mm"
+
+
+def _change(value: float) -> str:
+    """A relative change of the volume in per cent, what is rounding as 0."""
+    return f"{0.0 if abs(value) < 1e-13 else 100 * value:+.1f} %"
 
 
 def _sure(w: WaveRun) -> str:
