@@ -65,7 +65,7 @@ class Simulation:
         self.step_size = 0.0
         self.wave = self._add_waves()
         self.flow.sides = self._open_sides()
-        self.flow.driven = [*self.flow.sides]
+        self.flow.driven.extend(self.flow.sides)
         self._add_streams()
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
