@@ -11,12 +11,14 @@ struct Gate {
   double bottom;
 };
 
-// What stops a particle: domain walls, gates, solids (signed distance at the grid's nodes, null if there are none).
+// What stops a particle: domain walls, gates, solids (signed distance at the grid's nodes, null if there are none),
+// walls between the faces.
 template <int D>
 struct Obstacles {
   const double* distance = nullptr;
   const Gate* gates = nullptr;
   int gate_count = 0;
+  Paddles paddles;
 };
 
 // Signed distance to the solids at a point, (bi/tri)linear from the nodes, and where it is negative its gradient.
@@ -73,6 +75,11 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
       if (length2 > 1e-12)
         for (int a = 0; a < D; ++a) x[a] -= d * normal[a] / length2;
     }
+  }
+  for (int k = 0; k < obstacles.paddles.count; ++k) {
+    const Paddle& paddle = obstacles.paddles.paddle[k];
+    const double margin = 1e-9 * g.h[0];
+    x[0] = paddle.side > 0 ? std::max(x[0], paddle.x + margin) : std::min(x[0], paddle.x - margin);
   }
   for (int a = 0; a < D; ++a) {
     const double length = g.shape[a] * g.h[a];

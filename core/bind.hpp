@@ -27,6 +27,12 @@ using OptionalField = std::optional<Field>;
 
 inline const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
 
+inline Paddles paddles_of(const OptionalField& rows) {
+  static_assert(sizeof(Paddle) == 2 * sizeof(double));
+  if (!rows) return {};
+  return {reinterpret_cast<const Paddle*>(rows->data()), static_cast<int>(rows->size() / 2)};
+}
+
 template <int D>
 inline void require_cells(const Grid<D>& g, std::size_t size, const char* name) {
   if (static_cast<index>(size) != g.cells())

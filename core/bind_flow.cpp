@@ -26,14 +26,16 @@ static std::array<std::uint8_t*, D> masks_of(const Grid<D>& g, std::vector<Mask>
 }
 
 template <int D>
-static Obstacles<D> obstacles_of(const Grid<D>& g, const OptionalField& distance, const Field& gates) {
+static Obstacles<D> obstacles_of(const Grid<D>& g, const OptionalField& distance, const Field& gates,
+                                 const OptionalField& paddles) {
   if (distance) {
     index nodes = 1;
     for (index s : g.shape) nodes *= s + 1;
     require_size(distance->size(), nodes, "solid distance");
   }
   static_assert(sizeof(Gate) == 2 * sizeof(double));
-  return {pointer(distance), reinterpret_cast<const Gate*>(gates.data()), static_cast<int>(gates.size() / 2)};
+  return {pointer(distance), reinterpret_cast<const Gate*>(gates.data()), static_cast<int>(gates.size() / 2),
+          paddles_of(paddles)};
 }
 
 template <int D>
@@ -41,15 +43,16 @@ static void bind(nb::module_& m) {
   using G = const Grid<D>&;
   m.def(
       "column_heights",
-      [](G g, Array<std::int64_t> start, Field x, Field bulk, Field height) {
+      [](G g, Array<std::int64_t> start, Field x, Field bulk, Field height, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         require_size(bulk.size(), n, "bulk");
         require_start(g, start, n);
         require_columns(g, height.size(), "height");
         nb::gil_scoped_release release;
-        column_heights<D>(g, start.data(), x.data(), bulk.data(), height.data());
+        column_heights<D>(g, start.data(), x.data(), bulk.data(), paddles_of(paddles), height.data());
       },
-      "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "Height of the water in each column of cells [m].");
+      "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "paddles"_a = nb::none(),
+      "Height of the water in each column of cells [m].");
   m.def(
       "column_levels",
       [](G g, Field tent_volume, Array<std::int64_t> column, Array<std::int64_t> start, Field pieces, Field level) {
@@ -165,32 +168,33 @@ static void bind(nb::module_& m) {
   m.def(
       "move",
       [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField own_porosity,
-         OptionalField distance, Field gates, double dt, Field x) {
+         OptionalField distance, Field gates, double dt, Field x, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         if (porosity) require_cells(g, porosity->size(), "porosity");
         if (own) require_size(own->size(), n * D, "own velocity");
         if (own_porosity) require_size(own_porosity->size(), n, "own porosity");
         if (own && porosity && !own_porosity) throw std::invalid_argument("own velocity needs own porosity");
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
-        const auto obstacles = obstacles_of<D>(g, distance, gates);
+        const auto obstacles = obstacles_of<D>(g, distance, gates, paddles);
         nb::gil_scoped_release release;
         move<D>(g, n, uu, pointer(porosity), pointer(own), pointer(own_porosity), obstacles, dt, x.data());
       },
       "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "own_porosity"_a.none(), "distance"_a.none(), "gates"_a,
-      "dt"_a, "position"_a, "Moves the particles with the pore velocity, midpoint rule.");
+      "dt"_a, "position"_a, "paddles"_a = nb::none(), "Moves the particles with the pore velocity, midpoint rule.");
   m.def(
       "drift",
-      [](G g, Field from, Field u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x) {
+      [](G g, Field from, Field u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x,
+         OptionalField paddles) {
         const index n = points_of<D>(from, "from");
         require_size(u.size(), n * D, "velocity");
         require_size(x.size(), n * D, "position");
         if (porosity) require_size(porosity->size(), n, "porosity");
-        const auto obstacles = obstacles_of<D>(g, distance, gates);
+        const auto obstacles = obstacles_of<D>(g, distance, gates, paddles);
         nb::gil_scoped_release release;
         drift<D>(g, n, from.data(), u.data(), pointer(porosity), obstacles, dt, x.data());
       },
       "grid"_a, "from_"_a, "u"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "dt"_a, "position"_a,
-      "Moves the particles with their own pore velocities.");
+      "paddles"_a = nb::none(), "Moves the particles with their own pore velocities.");
   m.def(
       "eddy_viscosity",
       [](G g, FaceFields u, double molecular, double constant, Field nu) {
@@ -233,15 +237,15 @@ static void bind(nb::module_& m) {
   m.def(
       "displace",
       [](G g, FaceFields displacement, OptionalField porosity, OptionalField distance, Field gates, double limit,
-         Field x) {
+         Field x, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         const auto dd = ConstFaces<D>(faces_of(g, displacement, "displacement"));
-        const auto obstacles = obstacles_of<D>(g, distance, gates);
+        const auto obstacles = obstacles_of<D>(g, distance, gates, paddles);
         nb::gil_scoped_release release;
         displace<D>(g, n, dd, pointer(porosity), obstacles, limit, x.data());
       },
       "grid"_a, "displacement"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "limit"_a, "position"_a,
-      "Moves the particles along a displacement given on the faces.");
+      "paddles"_a = nb::none(), "Moves the particles along a displacement given on the faces.");
 }
 
 static void bind_sums(nb::module_& m) {

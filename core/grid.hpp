@@ -89,4 +89,16 @@ struct ConstFaces {
   const double* operator[](int a) const { return data[a]; }
 };
 
+// A vertical wall across the first axis, wherever it stands between the faces: water on its far side (side > 0) or on
+// its near one. Not nearer than `mirrored` cells to the sides of the tank.
+struct Paddle {
+  double x;
+  double side;
+};
+
+struct Paddles {
+  const Paddle* paddle = nullptr;
+  int count = 0;
+};
+
 }  // namespace houle

@@ -23,8 +23,10 @@ struct Lattice {  // the nodes, and where a position lies among them
   std::array<double, D> h{};
   std::array<bool, D> periodic{};
   double volume = 1;  // of a node's half cell [m^D]
+  index begin, end;   // along the first axis: nodes between its walls
 
-  explicit Lattice(const Grid<D>& g) : periodic(g.periodic) {
+  explicit Lattice(const Grid<D>& g) : Lattice(g, 0, 2 * g.shape[0]) {}
+  Lattice(const Grid<D>& g, index first, index last) : periodic(g.periodic), begin(first), end(last) {
     for (int a = 0; a < D; ++a) {
       shape[a] = 2 * g.shape[a];
       h[a] = 0.5 * g.h[a];
@@ -36,7 +38,8 @@ struct Lattice {  // the nodes, and where a position lies among them
   index fold(int a, index i) const {  // of a node outside: the one it repeats, or its mirror image
     const index n = shape[a];
     if (periodic[a]) return i < 0 ? i + n : (i >= n ? i - n : i);
-    return i < 0 ? -1 - i : (i >= n ? 2 * n - 1 - i : i);
+    const index low = a == 0 ? begin : 0, high = a == 0 ? end : n;
+    return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
   }
   double scaled(int a, double x) const {  // in spacings; what is not a number counts as 0, not as a place in memory
     const double s = x / h[a];
@@ -347,11 +350,11 @@ inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const s
 // The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
 // class_of (nodes,): water moves only between particles and nodes of the same class; negative: solid, holds no node.
 // Conserves, in every class, sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
-// place().
+// place(). first, last: nodes along the first axis between which the water is; walls stand at both ends.
 template <int D>
 inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int32_t* class_of,
-                                             const ParticleView<D>& p) {
-  const Lattice<D> l(grid);
+                                             const ParticleView<D>& p, index first, index last) {
+  const Lattice<D> l(grid, first, last);
   const Slabs<D> slabs(l, p.n, p.x);
   const Receivers<D> receivers(l, node_fill(l, slabs, p), class_of, remesh::receive);
   const index count = receivers.count();

@@ -19,10 +19,11 @@ inline double depth_from_fill(double F) {
 
 // Height of water standing in each column of cells, sum_p (V/n)_p B(x_p - x_c) / (plan area of a cell) [m], with the
 // quadratic B-spline B in the horizontal: its derivative, with which the flux between columns is taken, is the tent
-// that the position correction keeps full, so that the count of particles in a column adds no noise. Walls fold.
+// that the position correction keeps full, so that the count of particles in a column adds no noise. Paddles fold,
+// those between the faces mirror.
 template <int D>
 inline void column_heights(const Grid<D>& g, const std::int64_t* start, const double* x, const double* bulk,
-                           double* height) {
+                           const Paddles& paddles, double* height) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];
   const index across = D == 3 ? g.shape[1] : 1;
@@ -30,16 +31,20 @@ inline void column_heights(const Grid<D>& g, const std::int64_t* start, const do
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
       const double v = bulk[p] / area;
-      Reach<QuadraticKernel> reach[D - 1];
-      each_of<D - 1>([&](auto a) { reach[a].set(x[D * p + a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });
-      each_of<3>([&](auto i) {
-        const index row = reach[0].node[i] * across;
-        const double w = reach[0].weight[i] * v;
-        if constexpr (D == 2)
-          height[row] += w;
-        else
-          each_of<3>([&](auto j) { height[row + reach[1].node[j]] += w * reach[1].weight[j]; });
-      });
+      const auto add = [=](const double* at) {
+        Reach<QuadraticKernel> reach[D - 1];
+        each_of<D - 1>([&](auto a) { reach[a].set(at[a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });
+        each_of<3>([&](auto i) {
+          const index row = reach[0].node[i] * across;
+          const double w = reach[0].weight[i] * v;
+          if constexpr (D == 2)
+            height[row] += w;
+          else
+            each_of<3>([&](auto j) { height[row + reach[1].node[j]] += w * reach[1].weight[j]; });
+        });
+      };
+      add(x + D * p);
+      each_image(g, paddles, x + D * p, add);
     }
   });
 }

@@ -79,18 +79,38 @@ inline void close_periodic(const Grid<D>& g, const Faces<D>& f) {
   }
 }
 
+constexpr double mirrored = 3.0;  // cells in front of a paddle whose particles have images behind it
+
+// Calls visit(position) with the image of a particle behind each wall that it is near to.
+template <int D, class Visit>
+inline void each_image(const Grid<D>& g, const Paddles& paddles, const double* x, Visit visit) {
+  for (int k = 0; k < paddles.count; ++k) {
+    const double behind = 2.0 * (paddles.paddle[k].x - x[0]);
+    if (std::abs(behind) >= 2.0 * mirrored * g.h[0]) continue;
+    std::array<double, D> image;
+    std::copy(x, x + D, image.begin());
+    image[0] += behind;
+    visit(image.data());
+  }
+}
+
 // Sums over particles of weight * amount to cell centres with the tent kernel, walls folded: out (cells), overwritten.
+// What is near a wall between the faces counts for its image too, so that full water is full up to the wall.
 template <int D>
 inline void scatter_cells(const Grid<D>& g, const std::int64_t* start, const double* x, const double* amount,
-                          double* out) {
+                          const Paddles& paddles, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(g.cells(), [=](index c) { out[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      Stencil<LinearKernel, D> st;
-      st.set_centres(g, x + D * p);
       const double v = amount[p];
-      st.template each<-1>(stride, [=](index f, double w, double) { out[f] += w * v; });
+      const auto add = [=](const double* at) {
+        Stencil<LinearKernel, D> st;
+        st.set_centres(g, at);
+        st.template each<-1>(stride, [=](index f, double w, double) { out[f] += w * v; });
+      };
+      add(x + D * p);
+      each_image(g, paddles, x + D * p, add);
     }
   });
 }

@@ -11,7 +11,7 @@ from houle.case import Case, load
 from houle.case_files import shipped, tomllib
 from houle.cli import app
 from houle.tables import control, observed, results, sides, tank
-from houle.waves.table import Focus, Source, Waves, Zone
+from houle.waves.table import Focus, Piston, Source, Waves, Zone
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("src/**/*.md")])
@@ -21,7 +21,7 @@ CONVENTIONS = (ROOT / "docs" / "conventions.md").read_text(encoding="utf-8")
 
 TABLES = {
     "case": tank.Head, "domain": tank.Domain, "fluid": tank.Fluid, "water": tank.Water, "porous": tank.Porous,
-    "solid": tank.Solid, "gate": tank.Gate, "open": sides.Open, "waves": Waves,
+    "solid": tank.Solid, "gate": tank.Gate, "open": sides.Open, "waves": Waves, "absorber": tank.Absorber,
     "sponge": tank.Sponge, "gauge": observed.Gauge, "sensor": observed.Sensor, 
     "runup": observed.RunUp, "overtopping": observed.Overtopping, "force": observed.Force,
     "phreatic": observed.Phreatic, "flux": observed.Flux, "time": control.Time, "numerics": control.Numerics,
@@ -35,7 +35,7 @@ def test_every_table_and_key_of_the_case_file_is_described():
         assert f"[{name}]" in KEYS
         for key in model.model_fields:
             assert f"`{key}`" in KEYS, f"{name}.{key} is missing in docs/case-file.md"
-    for model in (Source, Zone, Focus):
+    for model in (Source, Zone, Piston, Focus):
         for key in model.model_fields:
             assert f"{model.__name__.lower()} `{key}`" in KEYS or f"| `{key}` |" in KEYS, (
                 f"waves.{model.__name__}.{key}"

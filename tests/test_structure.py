@@ -18,10 +18,10 @@ LAYERS = (
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
     {"resistance", "porous", "seeding", "columns", "room", "remesh", "viscosity", "workspace"}
     | {"tables", "waves", "sides"},
-    {"flow", "driven", "transfer", "ledger"},
+    {"flow", "driven", "paddle", "absorption", "transfer", "ledger"},
     {"operations", "remeshing", "observe", "exchange"},
     {"step"},
-    {"agreement", "case", "layout", "wave_checks", "open_checks", "checks", "laboratory"},
+    {"agreement", "case", "layout", "wave_checks", "open_checks", "paddle_checks", "checks", "laboratory"},
     {"simulation"},
     {"output"},
     {"analysis"},

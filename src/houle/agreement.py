@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from houle.case import Case
 
 PREFIXES = {  # of names
-    "porous": "porous-", "solid": "solid-", "sponge": "sponge-", "gauge": "G", "sensor": "P", "runup": "R",
-    "overtopping": "O", "force": "F", "phreatic": "L", "flux": "Q",
+    "porous": "porous-", "solid": "solid-", "sponge": "sponge-", "absorber": "absorber-", "gauge": "G",
+    "sensor": "P", "runup": "R", "overtopping": "O", "force": "F", "phreatic": "L", "flux": "Q",
 }  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from houle.tables.control import SCHEMES, Numerics, Output, Time
 from houle.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic, RunUp, Sensor
 from houle.tables.results import Reference, Reflection
 from houle.tables.sides import Open
-from houle.tables.tank import Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
+from houle.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
 from houle.waves.table import Waves
 
 
@@ -43,6 +43,7 @@ class Case(Table):
     gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
     waves: Waves | None = None
     sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
+    absorber: Annotated[tuple[Absorber, ...], Field(strict=False, description="walls that absorb waves")] = ()
     gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
     sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
     runup: Annotated[tuple[RunUp, ...], Field(strict=False, description="run-up on slopes and walls")] = ()

@@ -29,6 +29,7 @@ def show(case: Case, picture: Path, threads: int | None = None, console: Console
     console.print(_grid(case), soft_wrap=True)
     tables = (
         ("waves", wave_report.wave_rows(case)),
+        ("absorbers", wave_report.absorber_rows(case)),
         ("sponges", wave_report.sponge_rows(case)),
         ("open sides", open_rows(case)),
     )

@@ -21,6 +21,7 @@ from houle.case_errors import guess, metres, place, several, show
 from houle.errors import CaseError
 from houle.layout import Finding, Section, axes
 from houle.open_checks import open_sides_fit
+from houle.paddle_checks import paddles_fit
 from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
@@ -330,5 +331,6 @@ CHECKS = (
     waves_fit,
     sponges_fit,
     open_sides_fit,
+    paddles_fit,
     reference_is_there,
 )

@@ -12,7 +12,7 @@ from typing import Literal
 
 Place = Literal[
     "particle", "face", "centre", "surface", "gauge", "sensor", "runup", "overtopping", "flux", "phreatic",
-    "structure", "run",
+    "structure", "paddle", "run",
 ]  # fmt: skip
 
 
@@ -129,6 +129,7 @@ FIELDS: tuple[Field, ...] = (
         "moment of the force about the point given; in 2D about y, positive when it tips towards larger x",
         unit_2d="N",
     ),
+    Field("paddle_position", "X", "m", "paddle", "where the moving wall stands"),
     # ledger
     Field("time", "t", "s", "run", "simulated time"),
     Field("volume", "V", "m3", "run", "water volume carried by the particles", unit_2d="m2"),
@@ -162,7 +163,14 @@ FIELDS: tuple[Field, ...] = (
     Field(
         "sponge_work", "W_s", "J", "run", "energy lost to sponges and relaxation zones since the start", unit_2d="J m-1"
     ),
-    Field("source_work", "W_w", "J", "run", "energy given by the wave makers since the start", unit_2d="J m-1"),
+    Field(
+        "source_work",
+        "W_w",
+        "J",
+        "run",
+        "energy given by wave makers and moving walls, less what they took, since the start",
+        unit_2d="J m-1",
+    ),
     Field("open_work", "W_o", "J", "run", "work of the pressure at open sides since the start", unit_2d="J m-1"),
     *(
         Field(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,11 +15,15 @@ from houle.geometry import Box
 from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
 from houle.porous import Medium
+from houle.remesh import EVERYWHERE
 from houle.seeding import seed
 from houle.sides import OpenSide
 from houle.viscosity import Smoothing
 from houle.waves.makers import Maker
 from houle.workspace import Workspace
+
+if TYPE_CHECKING:
+    from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 
@@ -72,9 +77,14 @@ class Flow:
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
+        self.last_step = 0.0  # [s]
         self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
         self.sides: list[OpenSide] = []  # through which water comes and goes; also among the driven
         self.makers: list[Maker] = []  # of waves
+        self.paddles: list[Paddle] = []  # moving walls; they are among `driven` too
+        self.walls: FloatArray | None = None  # their places x [m] and sides, one row each
+        self.body = medium.body.copy()  # without what paddles close
+        self.nodes = EVERYWHERE  # of the lattice of the particles along x, between paddles
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.push: Faces = []  # their accelerations [m/s2]
         self.pushed: dict[int, slice] = {}  # axes of the faces that they push, and which along x

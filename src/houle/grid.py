@@ -52,6 +52,10 @@ class Grid:
     def face_shape(self, axis: int) -> tuple[int, ...]:
         return tuple(n + (a == axis) for a, n in enumerate(self.shape))
 
+    def nearest_face(self, x: float) -> float:
+        """Position [m] of the face across the first axis that is nearest to x."""
+        return round(x / self.spacing[0]) * self.spacing[0]
+
     def cells(self, value: float = 0.0) -> FloatArray:
         """A new cell field."""
         return np.full(self.shape, value)

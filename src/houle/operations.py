@@ -10,6 +10,7 @@ from houle.errors import SimulationError
 from houle.flow import SPRAY, Flow
 from houle.grid import FloatArray
 from houle.ledger import Ledger
+from houle.paddle import place as place_paddles
 from houle.sides import OpenSide
 from houle.transfer import Transfer
 from houle.waves.makers import Maker
@@ -68,14 +69,16 @@ def find_surface(flow: Flow) -> None:
     Valid for particles moved by up to two cells since they were sorted.
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
-    _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill)
-    _core.column_heights(core, flow.start, position, flow.bulk, flow.level)
+    _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill, flow.walls)
+    _core.column_heights(core, flow.start, position, flow.bulk, flow.level, flow.walls)
     _core.column_levels(core, flow.fill, mixed.column, mixed.start, mixed.pieces, flow.level)
     flow.fill *= flow.inverse_tent_volume
     _core.find_surface(
         core, flow.fill, flow.medium.open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
         flow.eta,
     )  # fmt: skip
+    for paddle in flow.paddles:
+        paddle.shut()
 
 
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
@@ -215,19 +218,29 @@ def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
             ledger.source_work += dt * plane.power(flow)
 
 
+def move_paddles(flow: Flow) -> None:
+    """Moving walls to where they are at the end of the step."""
+    for paddle in flow.paddles:
+        paddle.advance()
+    if flow.paddles:
+        place_paddles(flow)
+
+
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
     own = (flow.particles.velocity, flow.porosity) if flow.interpolated else (None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.medium.porosity if flow.porous else None, *own,
-        flow.medium.solid_distance, flow.gates, dt, flow.particles.position,
+        flow.medium.solid_distance, flow.gates, dt, flow.particles.position, flow.walls,
     )  # fmt: skip
 
 
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
     """Particles from `start` with velocities of their own."""
     position = flow.particles.position
-    _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position)
+    _core.drift(
+        flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position, flow.walls
+    )
 
 
 def rate(courant: float) -> float:
@@ -252,6 +265,8 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     largest = _core.density_excess(
         g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, work.rhs
     )
+    for paddle in flow.paddles:
+        work.rhs[paddle.column] *= paddle.share
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)
     largest = float(max(work.rhs.max(), -work.rhs.min()))
     iterations = work.solver.solve(work.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
@@ -264,4 +279,6 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         displacement, work.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
-    _core.displace(g.core, displacement, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position)
+    _core.displace(
+        g.core, displacement, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position, flow.walls
+    )

@@ -14,6 +14,7 @@ import shapely
 from houle.case import Case
 from houle.checks import BYTES, expected_speed
 from houle.layout import Body, Section
+from houle.paddle_checks import moving_walls
 from houle.resistance import Passport, passport
 from houle.tables.control import WAVE_SHARE
 from houle.wave_checks import reach, wave_of
@@ -144,13 +145,17 @@ def _gauges(axes: Any, case: Case) -> None:
 
 def _waves(axes: Any, case: Case, s: Section) -> None:
     """Zones and sponges hatched, the source dashed where it acts, the still water level; their names at the top."""
-    if case.waves is None and not case.sponge:
+    if case.waves is None and not case.sponge and not case.absorber:
         return
     height, colour = case.domain.size[-1], "#4d6f8c"
     axes.axhline(s.depth(), color="#1f5f8b", linewidth=0.8, linestyle=(0, (8, 3)), label="still water level")
     bands = [(p.box[0][0], p.box[1][0], p.name, "//") for p in case.sponge]
     wave = wave_of(case)
-    if case.waves is not None and wave is not None:
+    for wall in moving_walls(case, wave, s.depth()):
+        name = wall.key.rpartition(".")[2]
+        bands.append((*wall.span, name, "|||"))
+        axes.axvline(wall.rest, color="#22303c", linewidth=2.2)
+    if case.waves is not None and case.waves.piston is None and wave is not None:
         low, high = reach(case, wave)
         source = case.waves.source is not None
         bands.append(

@@ -55,8 +55,10 @@ class Flume:
         towards = 1.0 if structure[0] > maker else -1.0
         wall = end if towards > 0 else 0.0
         spans = [(s.box[0][0], s.box[1][0]) for s in case.sponge]
+        spans += [(a.x, a.x) for a in case.absorber]
         behind = any(towards * (max(span, key=lambda x: towards * x) - structure[-1]) > 0 for span in spans)
         before = any(towards * (maker - min(span, key=lambda x: towards * x)) > 0 for span in spans)
+        before = before or (waves.piston is not None and waves.piston.absorb)
         open_back = len(structure) == 2 and (behind or bool(case.reflection.behind))
         back = structure[1] if open_back else wall
         return cls(maker, structure[0], back, wall, behind, waves.zone is not None or before)
@@ -69,7 +71,8 @@ def measure(run: Run) -> Reflection:
     assert asked is not None and waves is not None
     wave = wave_of(case)
     if asked.window is None:
-        reflector = None if flume.quiet or waves.source is None else case.domain.size[0] - flume.wall
+        reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
+        reflector = flume.maker if reflector is not None and waves.piston is not None else reflector
         place: dict[str, Any] = {
             "maker": flume.maker, "structure": flume.front, "rear": flume.back, "absorbing": flume.quiet,
             "reflector": reflector, "far_end": flume.wall if asked.behind and not flume.absorbed else None,

@@ -5,8 +5,9 @@ to the nodes of a lattice with the M4' weights of the paper, eqs (6)-(7) (Monagh
 Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys. 182, 67). The two schemes differ where a particle does not
 see all the nodes around it, that is at the free surface and at porous interfaces.
 
-A remesher is called as `remesher(particles, porosity)`, with the porosity (N,) at the particles, and returns new
-Particles; their number changes, and whatever else is kept per particle has to be made anew.
+A remesher is called as `remesher(particles, porosity, between)`, with the porosity (N,) at the particles, and returns
+new Particles; their number changes, and whatever else is kept per particle has to be made anew. between: first node and
+end of the nodes along x, where walls stand that are not the sides of the tank.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ from houle.errors import SimulationError
 from houle.grid import FloatArray, Grid
 from houle.particles import Particles
 
-Remesher = Callable[[Particles, FloatArray], Particles]
+Nodes = tuple[int, int]
+Remesher = Callable[[Particles, FloatArray, Nodes], Particles]
+EVERYWHERE: Nodes = (0, -1)
 
 
 @dataclass(frozen=True)
@@ -45,11 +48,10 @@ class Conservative:
     grid: Grid
     body: NDArray[np.int32]
 
-    def __call__(self, particles: Particles, porosity: FloatArray) -> Particles:
+    def __call__(self, particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
-        new = Particles(
-            *_core.remesh_conservative(self.grid.core, self.body, p.position, p.velocity, p.volume, porosity)
-        )
+        arrays = (p.position, p.velocity, p.volume, porosity)
+        new = Particles(*_core.remesh_conservative(self.grid.core, self.body, *arrays, *between))
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(
@@ -72,14 +74,14 @@ class Paper:
     grid: Grid
     threshold: float = 0.01
 
-    def __call__(self, particles: Particles, porosity: FloatArray) -> Particles:
+    def __call__(self, particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
         return Particles(
             *_core.remesh_paper(self.grid.core, p.position, p.velocity, p.volume, porosity, self.threshold)
         )
 
 
-def keep(particles: Particles, porosity: FloatArray) -> Particles:
+def keep(particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
     """No remeshing: the particles as they are."""
     return particles
 

@@ -38,7 +38,11 @@ class Remeshing:
             way[...] = 0.0
         flow.sample_medium()
         flow.drop_work()
-        flow.particles = self.remesher(flow.particles, flow.porosity)
+        for paddle in flow.paddles:
+            paddle.to_lattice(flow.particles)
+        flow.particles = self.remesher(flow.particles, flow.porosity, flow.nodes)
+        for paddle in flow.paddles:
+            paddle.from_lattice(flow.particles)
         flow.refresh_particles()
         flow.sample_medium()
         transfer.renew(flow)

@@ -31,16 +31,22 @@ class Room:
         below, moment = (np.pad(np.cumsum(part, axis=1), ((0, 0), (1, 0))) * h for part in (share, share * middle))
         return cls(h, grid.cell_volume / h, share, below, moment)
 
-    def mean_level(self, eta: FloatArray) -> float:
-        """Water below the levels eta (columns) [m], NaN where dry, over the plan area [m]."""
-        wet, cell, z = self._top(eta)
-        return float(np.sum(self.below[wet, cell] + self.share[wet, cell] * (z - cell * self.spacing))) / eta.size
+    def mean_level(self, eta: FloatArray, along: FloatArray | None = None) -> float:
+        """Water below the levels eta (columns) [m], NaN where dry, over the plan area [m].
 
-    def height_moment(self, eta: FloatArray) -> float:
+        along: share of each column that counts, between moving walls; None: all.
+        """
+        wet, cell, z = self._top(eta)
+        water = self.below[wet, cell] + self.share[wet, cell] * (z - cell * self.spacing)
+        if along is None:
+            return float(np.sum(water)) / eta.size
+        return float(np.sum(water * along.ravel()[wet])) / float(np.sum(along))
+
+    def height_moment(self, eta: FloatArray, along: FloatArray | None = None) -> float:
         """Integral of z over the water below the levels eta [m^(d+1)]: its energy over density and gravity."""
         wet, cell, z = self._top(eta)
-        over = 0.5 * (z**2 - (cell * self.spacing) ** 2)
-        return self.plan * float(np.sum(self.moment[wet, cell] + self.share[wet, cell] * over))
+        moment = self.moment[wet, cell] + 0.5 * self.share[wet, cell] * (z**2 - (cell * self.spacing) ** 2)
+        return self.plan * float(np.sum(moment if along is None else moment * along.ravel()[wet]))
 
     def _top(self, eta: FloatArray) -> tuple[Any, Any, FloatArray]:
         """Wet columns, the cell that the level is in, the level, not above the lid."""

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from houle import _core
+from houle.absorption import Drive
 from houle.case import Case
 from houle.errors import SimulationError
 from houle.flow import Flow
@@ -20,6 +21,7 @@ from houle.grid import FloatArray
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, at_points
 from houle.operations import arrange, prepare
+from houle.paddle import Paddle, place
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
 from houle.remesh import STRATEGIES
@@ -33,7 +35,9 @@ from houle.tables.control import WAVE_SHARE
 from houle.tables.tank import Porous
 from houle.transfer import make
 from houle.waves.makers import Stream, damping, make_maker
+from houle.waves.piston import law_of, reading_of
 from houle.waves.sponge import resist, way_length
+from houle.waves.table import Piston, Waves
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
 
@@ -60,13 +64,14 @@ class Simulation:
         transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
         remeshing = Remeshing(remesher, numerics.remesh_every)
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
-        self.ledger = Ledger(self.flow)
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0
         self.wave = self._add_waves()
+        self._add_absorbers()
         self.flow.sides = self._open_sides()
         self.flow.driven.extend(self.flow.sides)
         self._add_streams()
+        self.ledger = Ledger(self.flow)
         self._place_gates()
         prepare(self.flow, transfer, self.ledger)
         self.observers = Observers(case, self.flow)
@@ -91,9 +96,13 @@ class Simulation:
         speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
         if case.waves is not None:
             wave = make_wave(case.waves, case.fluid.gravity, case.folder)
-            maker = make_maker(case.waves, wave, grid, wall=all(side.side != "left" for side in case.open))
-            flow.makers, speed = [maker], wave.group_velocity
-            maker.resist(rate)
+            speed = wave.group_velocity
+            if case.waves.piston is not None:
+                self._add_piston(case.waves, case.waves.piston, wave)
+            else:
+                maker = make_maker(case.waves, wave, grid, wall=all(side.side != "left" for side in case.open))
+                flow.makers = [maker]
+                maker.resist(rate)
         for sponge in case.sponge:
             length = way_length(sponge.box, grid)
             resist(sponge.box, sponge.strength or damping(speed, length), grid, rate)
@@ -133,6 +142,29 @@ class Simulation:
         padded = np.concatenate([held[:1], held, held[-1:]])
         return np.maximum(0.5 * (padded[:-1] + padded[1:]), grid.spacing[-1])
 
+    def _add_piston(self, table: Waves, piston: Piston, wave: Wave) -> None:
+        rest = self.grid.nearest_face(piston.x)
+        read = reading_of(wave, wave.depth, wave.gravity)
+        drive = Drive(law_of(table, wave, rest, read), read, self.flow, piston.absorb)
+        Paddle("piston", rest, 1, drive, self.flow)
+
+    def _add_absorbers(self) -> None:
+        """Walls that absorb what reaches them: by the depth of the water there."""
+        for table in self.case.absorber:
+            rest, water = self.grid.nearest_face(table.x), 1 if table.side == "left" else -1
+            read = reading_of(self.wave, self._depth_at(rest, water), self.case.fluid.gravity, table.period)
+            Paddle(table.name, rest, water, Drive(None, read, self.flow, True), self.flow)
+
+    def _depth_at(self, x: float, water: int) -> float:
+        """Of the still water [m] in the cell beside a face."""
+        position, h = self.particles.position[:, 0], self.grid.spacing[0]
+        beside = (water * (position - x) > 0) & (water * (position - x) < h)
+        return (
+            float(np.sum(self.particles.volume[beside]))
+            / (self.grid.cell_volume / self.grid.spacing[-1])
+            / (self.grid.shape[1] if self.grid.dimension == 3 else 1)
+        )
+
     # ---- marching ------------------------------------------------------------------------------------------------
 
     def advance(self, stop: float) -> None:
@@ -143,6 +175,9 @@ class Simulation:
         self._place_gates()
         self.flow.time = self.time
         self.ledger.open()
+        self.flow.last_step = last
+        for paddle in self.flow.paddles:
+            paddle.begin(self.step_size)
         try:
             self.step.advance(self.flow, self.step_size, last, self.ledger)
             self.ledger.close()
@@ -236,7 +271,7 @@ class Simulation:
         row = {
             "volume": volume,
             "volume_drift": self.volume_drift,
-            "mean_level": self._room.mean_level(flow.eta),
+            "mean_level": self._room.mean_level(flow.eta, self._room_along()),
             "kinetic_energy": rho * flow.kinetic_energy(),
             "potential_energy": rho * self._potential_energy(),
             "drag_work": rho * ledger.drag_work,
@@ -265,7 +300,17 @@ class Simulation:
         *along, down = self.flow.gravity
         if self.case.waves is None or any(along):
             return self.flow.potential_energy()
-        return -down * self._room.height_moment(self.flow.eta)
+        return -down * self._room.height_moment(self.flow.eta, self._room_along())
+
+    def _room_along(self) -> FloatArray | None:
+        """Share of each column of cells that is between the moving walls, grid.shape[:-1]; None without any."""
+        flow = self.flow
+        if not flow.paddles:
+            return None
+        share = np.ones(self.grid.shape[:-1])
+        for paddle in flow.paddles:
+            share[paddle.behind], share[paddle.column] = 0.0, paddle.share
+        return share
 
     @cached_property
     def _room(self) -> Room:
@@ -315,6 +360,8 @@ class Simulation:
             **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
             **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
             **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
+            **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
+            **{f"paddle.{i}.memory": p.command.memory.copy() for i, p in enumerate(flow.paddles)},
             **self.observers.state(),
         }
 
@@ -346,7 +393,12 @@ class Simulation:
         for i, side in enumerate(flow.sides):
             side.state = state[f"open.{i}"]
         self.observers.restore(state)
+        for i, paddle in enumerate(flow.paddles):
+            paddle.x = float(state[f"paddle.{i}.x"])
+            paddle.command.memory[...] = state[f"paddle.{i}.memory"]
         self._place_gates()
+        if flow.paddles:
+            place(flow)
         arrange(flow, self.step.transfer)
 
 

@@ -21,6 +21,7 @@ from houle.operations import (
     find_surface,
     make_waves,
     move,
+    move_paddles,
     project,
     rate,
     sort,
@@ -60,6 +61,7 @@ class Step:
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
         with ledger.operation("advection"):
+            move_paddles(flow)
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("exchange"):
             exchange(flow, self.transfer, dt, ledger)  # water that comes in and goes out
@@ -88,6 +90,7 @@ class PaperStep:
     def advance(self, flow: Flow, dt: float, last: float, ledger: Ledger) -> None:
         """One step of dt [s], whatever the last one was, from an arranged flow to an arranged flow."""
         with ledger.operation("advection"):
+            move_paddles(flow)
             start, velocity, porosity = flow.snapshot()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n
         with ledger.clock("surface"):

@@ -85,6 +85,7 @@ def twin_of(case: Case) -> Case:
     data |= {
         "case": {"name": "twin", "title": "the flume without structure"},
         "domain": {**data["domain"], "size": [round(float(length), 9), top]},
+        "absorber": [a.model_dump(mode="json", exclude_none=True) for a in case.absorber if a.side == "left"],
         "porous": [], "gate": [], "sensor": [], "solid": bed,
         "sponge": [*kept, {"name": "behind", "box": [[round(sponge, 9), 0.0], [round(float(length), 9), top]]}],
         "gauge": [{"x": round(float(x), 9)} for x in np.linspace(first, sponge, GAUGES)],

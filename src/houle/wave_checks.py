@@ -25,12 +25,13 @@ from houle.tables.tank import Sponge
 from houle.waves.check import assess
 from houle.waves.makers import require_source, source_width
 from houle.waves.sponge import sides
-from houle.waves.table import Source, Zone, make
+from houle.waves.table import Piston, Source, Zone, make
 from houle.waves.wave import Wave
 
 ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
 LONG = {True: 1.25, False: 0.9}  # wavelengths of a zone or a sponge, of periodic waves or not: below is a warning
 SHORT = 0.5  # of a zone for periodic waves: below is an error
+NEARBY = 3.0  # depths in front of a piston where the water is to be even
 SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
 SAMPLES = 51  # columns over a maker in which the depth is looked at
 
@@ -50,6 +51,8 @@ def reach(case: Case, wave: Wave) -> Reach:
     maker = case.waves.maker
     if isinstance(maker, Zone):
         return maker.x
+    if isinstance(maker, Piston):
+        return maker.x, maker.x + NEARBY * wave.depth
     half = ACTS * source_width(maker, case.waves.kind, wave)
     return maker.x - half, maker.x + half
 
@@ -68,7 +71,7 @@ def waves_fit(s: Section) -> Iterator[Finding]:
     for level, text in assess(wave, max(s.grid.spacing)):
         if level != "info":
             yield _told(level, text)
-    look = _source if isinstance(table.maker, Source) else _zone
+    look = {Source: _source, Zone: _zone, Piston: _piston}[type(table.maker)]
     found = list(look(s, wave))
     yield from found
     if all(f.level != "error" for f in found):  # else the maker stands nowhere
@@ -184,6 +187,15 @@ def _zone(s: Section, wave: Wave) -> Iterator[Finding]:
             yield Finding("error", _key(case, i), text)
 
 
+def _piston(s: Section, wave: Wave) -> Iterator[Finding]:
+    """Inside the tank; the rest is in paddle_checks.py."""
+    table, size = s.case.waves, s.case.domain.size[0]
+    assert table is not None and table.piston is not None
+    if not 0 < table.piston.x < size:
+        text = f"= {table.piston.x:g} lies outside the domain, 0 < x < {size:g} m.{metres(table.piston.x, size)}"
+        yield Finding("error", "waves.piston.x", text)
+
+
 def _periodic(case: Case) -> bool:
     return case.waves is not None and case.waves.kind != "solitary"
 
@@ -265,8 +277,11 @@ def _gauges(s: Section, wave: Wave) -> Iterator[Finding]:
     """Gauges see the waves where nothing acts on them but water."""
     case = s.case
     assert case.waves is not None
-    what = "waves.source" if isinstance(case.waves.maker, Source) else "waves.zone"
-    spans = [(what, "the wave is not complete there", *reach(case, wave))]
+    what = {Source: "waves.source", Zone: "waves.zone", Piston: "the reach of waves.piston"}[type(case.waves.maker)]
+    low, high = reach(case, wave)
+    if isinstance(case.waves.maker, Piston):
+        high = low + wave.depth
+    spans = [(what, "the wave is not complete there", low, high)]
     for i, sponge in enumerate(case.sponge):
         spans.append((_key(case, i), "the wave is damped there", sponge.box[0][0], sponge.box[1][0]))
     for i, gauge in enumerate(case.gauge):

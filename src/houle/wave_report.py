@@ -9,13 +9,15 @@ from houle.analysis import AnalysisError, choose_window
 from houle.case import Case
 from houle.case_errors import place
 from houle.layout import Finding, Section
+from houle.paddle_checks import law_of_piston
 from houle.tables.tank import Sponge
 from houle.wave_checks import reach, wave_of
 from houle.waves import dispersion
 from houle.waves.check import assess
 from houle.waves.makers import damping, left_over, source_width
+from houle.waves.piston import Reading, reading_of
 from houle.waves.sponge import sides
-from houle.waves.table import Source
+from houle.waves.table import Piston, Source
 from houle.waves.wave import Wave
 
 FEWEST = {True: 3, False: 20}  # periods of a window, of regular waves and of spectra
@@ -62,9 +64,46 @@ def _maker(case: Case, wave: Wave) -> str:
         side = {"both": "to both sides", "left": "to the left", "right": "to the right"}[waves.maker.side]
         at = f"source at x = {waves.maker.x:g} m, {width:.3g} m wide, acts from {low:.3g} to {high:.3g} m"
         return f"{at}; {side}{then}"
+    if isinstance(waves.maker, Piston):
+        return f"{_piston(case, wave)}{then}"
     start, end = waves.maker.x
     long = f"{(end - start) / wave.length:.2f} wavelengths"
     return f"relaxation zone, x {start:g} to {end:g} m, {long}; takes up what comes back{then}"
+
+
+def _piston(case: Case, wave: Wave) -> str:
+    """Stroke, height over stroke, where it moves, by which theory."""
+    law, read, rest = law_of_piston(case, wave)
+    low, high = law.reach
+    told = (
+        f"piston at x = {rest:g} m, stroke {high - low:.3g} m, H/stroke = {wave.height / (high - low):.3g}, moves from "
+        f"{rest + low:.3g} to {rest + high:.3g} m; {law.theory}"
+    )
+    assert case.waves is not None and case.waves.piston is not None
+    return f"{told}; absorbs, {_back(read, wave.period)}" if case.waves.piston.absorb else told
+
+
+def _back(read: Reading, period: float) -> str:
+    """Linear theory of what an absorbing wall sends back of some waves."""
+    shares = [f"{100 * read.comes_back(2 * pi / t):.2g} % at T = {t:.3g} s" for t in (period / 2, period, 2 * period)]
+    return f"sends back {', '.join(shares)}"
+
+
+def absorber_rows(case: Case) -> list[tuple[str, str]]:
+    """(name, words) of every absorbing wall."""
+    wave, depth = wave_of(case), Section(case).depth()
+    rows = []
+    for i, table in enumerate(case.absorber):
+        read = reading_of(wave, depth, case.fluid.gravity, table.period)
+        rest = case.domain.grid.nearest_face(table.x)
+        at = f"{table.side} end, at rest at x = {rest:g} m"
+        rows.append((place(("absorber", i), case.__dict__), f"{at}; {_back(read, _tuned(read, wave, table.period))}"))
+    return rows
+
+
+def _tuned(read: Reading, wave: Wave | None, period: float | None) -> float:
+    """The period to tell about [s]."""
+    return period or (wave.period if wave is not None else 2 * pi / read.omega)
 
 
 def sponge_rows(case: Case) -> list[tuple[str, str]]:
@@ -100,12 +139,16 @@ class Flume:
         source = isinstance(case.waves.maker, Source)
         maker = reach(case, wave)[1] if not source else case.waves.start
         near, size = case.domain.spacing, case.domain.size[0]
+        piston, left = case.waves.piston, 0.0
         quiet = not source or any(s.box[0][0] <= near for s in case.sponge)
-        taken = any(s.box[1][0] >= size - near for s in case.sponge)
+        if piston is not None:
+            quiet, left = piston.absorb, piston.x
+        quiet = quiet or any(a.side == "left" for a in case.absorber)
+        taken = any(s.box[1][0] >= size - near for s in case.sponge) or any(a.side == "right" for a in case.absorber)
         faces = [float(b.shape.bounds[0][0]) for b in (*section.porous, *section.solid)]
         faces = [x for x in faces if maker < x < size]
         gauges = sorted(g.x for g in case.gauge if g.x >= maker)
-        return cls(maker, gauges, min(faces, default=None), None if quiet else 0.0, None if taken else size)
+        return cls(maker, gauges, min(faces, default=None), None if quiet else left, None if taken else size)
 
 
 def steady(case: Case) -> Finding | None:
@@ -140,7 +183,6 @@ def steady(case: Case) -> Finding | None:
         )  # fmt: skip
     except AnalysisError as error:
         key = "time.end" if str(error).startswith("the record") else "domain.size"
-        return Finding(
-            "warning", key, f": {str(error).replace('(absorbing=True)', 'with a [[sponge]] behind the source')}"
-        )
+        cure = "with a [[sponge]] behind the source, or a piston that absorbs"
+        return Finding("warning", key, f": {str(error).replace('(absorbing=True)', cure)}")
     return Finding("info", "gauges", f"can be taken apart from {window}")

@@ -57,6 +57,7 @@ def made_case(dimension=2):
         water=[SimpleNamespace(box=None, polygon=None, below=0.15)],
         waves=None,
         sponge=[],
+        absorber=[],
         open=[],
         **dict.fromkeys(("runup", "overtopping", "flux", "phreatic", "force"), ()),
         to_toml=lambda: "[case]",

@@ -30,6 +30,7 @@ NAMED = {  # what the project promises
     "standing-wave",
     "spheric-2",
     "wave-flume",
+    "piston-flume",
     "wave-block",
     "wave-slope",
     "solitary-wall",

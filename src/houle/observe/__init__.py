@@ -75,6 +75,8 @@ class Observers:
             row["discharge"] = np.array([s.discharge(flow) for s in self.sections])
         if self.phreatics:
             row["phreatic_level"] = np.concatenate([p.levels(flow) for p in self.phreatics])
+        if flow.paddles:
+            row["paddle_position"] = np.array([paddle.x for paddle in flow.paddles])
         return row | (self._forces(rho) if self.loads else {})
 
     def _forces(self, rho: float) -> dict[str, FloatArray]:
@@ -133,9 +135,16 @@ def stations(case: Any, grid: Grid) -> Stations:
             [p.name for p, line in zip(case.phreatic, lines, strict=True) for _ in line],
             {axis: [float(at[a]) for line in lines for at in line] for a, axis in enumerate(axes[:-1])},
         ),
+        "paddle": _paddles(case),
         "structure": (_names(case.force), {f"about_{axis}": about[:, a].tolist() for a, axis in enumerate(axes)}),
     }
     return {kind: entry for kind, entry in found.items() if entry[0]}
+
+
+def _paddles(case: Any) -> tuple[list[str], dict[str, list[float]]]:
+    piston = case.waves.piston if case.waves is not None else None
+    places = ([("piston", piston.x)] if piston is not None else []) + [(a.name, a.x) for a in case.absorber]
+    return [name for name, _ in places], {"rest": [x for _, x in places]}
 
 
 def _names(rows: Any) -> list[str]:

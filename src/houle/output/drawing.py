@@ -326,6 +326,13 @@ def draw_open(panel: Axes, sides: Sequence[Any], length: float) -> None:
         )
 
 
+def draw_paddles(panel: Axes, ends: Sequence[tuple[float, float]]) -> None:
+    """(side of the tank, place) of walls that move: the wall, and the dry room behind it."""
+    for side, x in ends:
+        panel.axvspan(min(side, x), max(side, x), fc=FAINT, ec="none", zorder=2.5)
+        panel.axvline(x, color=INK, lw=1.6, zorder=4.2)
+
+
 def draw_still_water(panel: Axes, level: float) -> None:
     panel.axhline(level, color=GREY, lw=0.6, ls=(0, (10, 5)), zorder=2.3)
 

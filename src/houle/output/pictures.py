@@ -60,6 +60,7 @@ def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: la
             x, eta = _profile(surface, time, grid)
             panel.fill_between(x, 0, eta, color=SHADE, lw=0, zorder=0.55)
             panel.plot(x, eta, color=WATER, lw=1.5, zorder=3)
+            section.draw_paddles(panel, x[~np.isnan(eta)])
             _laboratory(panel, points, time, case)
             headings(panel, f"t = {time:.4g} s", f"rms {1e3 * rms[time]:.1f} mm" if time in rms else "")
         page.label_outside("x [m]", "z [m]", away=42.0 if section.floor else 31.0)
@@ -77,6 +78,7 @@ def pressure_picture(path: Path, case: Any, grid: Grid, fields: Any, points: lab
         for panel, frame in zip(page.panels, frames, strict=True):
             section.draw(panel, frame.time, over=True)
             marks = section.draw_particles(panel, frame, scale)
+            section.draw_paddles(panel, frame.position[:, 0])
             _laboratory(panel, points, frame.time, case)
             headings(panel, f"t = {frame.time:.4g} s")
         page.label_outside("x [m]", "z [m]")

@@ -81,6 +81,15 @@ class Section:
         drawing.draw_open(panel, self.case.open, self.grid.size[0])
         return drawing.draw_gates(panel, self.case.gate, time, self.height)
 
+    def draw_paddles(self, panel: Axes, wet: FloatArray) -> None:
+        """Moving walls, where the water ends: wet are the places x [m] of it."""
+        waves = self.case.waves
+        sides = {absorber.side for absorber in self.case.absorber}
+        sides |= {"left"} if waves is not None and waves.piston is not None else set()
+        if len(wet):
+            ends = {"left": (0.0, float(wet.min())), "right": (self.grid.size[0], float(wet.max()))}
+            drawing.draw_paddles(panel, [ends[side] for side in sorted(sides)])
+
     def draw_particles(self, panel: Axes, frame: Frame, scale: Normalize) -> AxesImage:
         """The image of `pressures` at the pixels of the panel; for the next frame, set_data() is enough."""
         box = panel.get_window_extent()

@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 NAME = "series.nc"
 # What is not a scalar of the ledger, and where it is observed
 OBSERVED = {"eta": "gauge", "pressure": "sensor", "velocity": "sensor"} | {
-    field.name: place for place in ("runup", "overtopping", "flux", "phreatic", "structure") for field in at(place)
+    field.name: place
+    for place in ("runup", "overtopping", "flux", "phreatic", "structure", "paddle")
+    for field in at(place)
 }
 ALWAYS = ("gauge", "sensor")  # their values are in every row, if only as empty arrays
 

@@ -1,4 +1,5 @@
-"""The tank and what is in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]] [[gate]] [[sponge]]."""
+"""The tank and what is in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]] [[gate]] [[sponge]]
+[[absorber]]."""
 
 from __future__ import annotations
 
@@ -243,6 +244,22 @@ class Gate(Table):
     x: float = Field(description="position [m]")
     speed: float = Field(gt=0, le=100, description="upward speed of its lower edge [m/s]")
     start: float = Field(default=0.0, ge=0, description="time at which it starts to rise [s]")
+
+
+class Absorber(Table):
+    """[[absorber]]: a wall across the tank that gives way to the waves that reach it: active absorption."""
+
+    name: Name = Field(default="", description="for messages and results; absorber-1, ... when left out")
+    x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
+    side: Literal["left", "right"] = Field(
+        default="right", description="end of the water at which it stands; behind it is no water"
+    )
+    period: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e5,
+        description="wave period that it takes up whole; that of [waves] when left out, else long waves [s]",
+    )
 
 
 class Sponge(Table):

@@ -163,6 +163,31 @@ def two_sided(period: float, height: float, depth: float = 0.25) -> dict[str, An
     }
 
 
+def piston(
+    period: float, height: float, *, wall: bool = False, lengths: float = 2.5, depth: float = 0.25
+) -> dict[str, Any]:
+    """A piston that absorbs, gauges over so many wavelengths, and a wall that absorbs; or a fixed one, `wall`."""
+    wave = regular("auto", height, period, depth, GRAVITY, 0.0, 0.0)
+    rest, first = 0.4, 0.4 + GAP
+    last = first + lengths * wave.length
+    end = _up(last + GAP)
+    top = _top(depth, height)
+    count = round(lengths * PER_LENGTH) + 1
+    travel = (2 * end - rest - first) / wave.group_velocity + RAMP_SETTLE * period
+    return {
+        "domain.size": [end if wall else round(end + 0.4, 4), top],
+        "waves": {
+            "kind": "regular", "height": height, "period": period, "depth": depth,
+            "piston": {"x": rest, "absorb": True},
+        },
+        "gauge": [
+            {"name": f"G{i + 1}", "x": _round(first + i * wave.length / PER_LENGTH)} for i in range(count)
+        ],
+        "absorber": [] if wall else [{"x": end}],
+        "time.end": _up(travel * (2.0 if wall else 1.0) + (PERIODS + 0.2) * period),
+    }  # fmt: skip
+
+
 def _top(depth: float, height: float) -> float:
     """Of the tank [m], clear of the highest standing crest; such that still water in 0.25 m of depth does not stand at
     the middle of a cell with the spacings of the cases (20, 10, 5 mm, fitted to this height).

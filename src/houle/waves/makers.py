@@ -282,10 +282,11 @@ def require_source(table: Waves, wave: Wave) -> None:
 def make_maker(
     table: Waves, wave: Wave, grid: Grid, wall: bool = True
 ) -> InternalSource | FiniteSource | RelaxationZone:
-    """The maker that the table asks for; `wall`: at the left side, not an open one. Raises WaveError."""
-    maker = table.maker
-    if isinstance(maker, Zone):
-        return RelaxationZone.of(maker, wave, grid, table.ramp_time(), wall)
+    """The maker inside the water that the table asks for; `wall`: at a left side that is not open. Raises WaveError."""
+    if table.zone is not None:
+        return RelaxationZone.of(table.zone, wave, grid, table.ramp_time(), wall)
+    maker = table.source
+    assert maker is not None
     parts, width = oscillations(wave, table.kind), source_width(maker, table.kind, wave)
     if is_finite(table, parts):
         return FiniteSource.of(wave, grid, maker.x, width, maker.side, table.ramp_time())

@@ -43,7 +43,7 @@ TAKES: dict[str, tuple[str, ...]] = {
     "series": (),
 }
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "focus")  # what only some kinds take
-MAKERS = ("source", "zone")
+MAKERS = ("source", "zone", "piston")
 ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
 
 
@@ -86,6 +86,15 @@ class Zone(Table):
         return self
 
 
+class Piston(Table):
+    """waves.piston: a wall across the tank that moves along x; the water is to its right, none is behind it."""
+
+    x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
+    absorb: bool = Field(
+        default=False, description="whether it also takes up the waves that come back, by the pressure on its face"
+    )
+
+
 class Waves(Table):
     """[waves]"""
 
@@ -125,6 +134,7 @@ class Waves(Table):
     )
     source: Source | None = Field(default=None, description="internal source {x, width, form, side}")
     zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}")
+    piston: Piston | None = Field(default=None, description="moving wall {x, absorb}")
 
     @model_validator(mode="after")
     def agrees(self) -> Waves:
@@ -139,7 +149,8 @@ class Waves(Table):
         given = [key for key in MAKERS if getattr(self, key) is not None]
         if len(given) != 1:
             held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
-            found.append(f": {held}; give exactly one of source = {{x = ...}}, zone = {{x = [from, to]}}")
+            ways = "source = {x = ...}, zone = {x = [from, to]}, piston = {x = ...}"
+            found.append(f": {held}; give exactly one of {ways}")
         if self.current and self.source is not None and (self.source.side, self.source.form) != ("both", "linear"):
             found.append(
                 f'current = {self.current:g}: a source makes waves on a current with side = "both", form = "linear" '
@@ -173,14 +184,14 @@ class Waves(Table):
         return ", they are in the file" if self.kind == "series" and key in ("height", "period") else ""
 
     @property
-    def maker(self) -> Source | Zone:
+    def maker(self) -> Source | Zone | Piston:
         """The one that is given."""
-        return next(m for m in (self.source, self.zone) if m is not None)
+        return next(m for m in (self.source, self.zone, self.piston) if m is not None)
 
     @property
     def start(self) -> float:
-        """Where the waves come from [m]: the middle of the source, the left end of the zone."""
-        return self.maker.x if isinstance(self.maker, Source) else self.maker.x[0]
+        """Where the waves come from [m]: the middle of the source, the left end of the zone, the piston at rest."""
+        return self.maker.x[0] if isinstance(self.maker, Zone) else self.maker.x
 
     def ramp_time(self) -> float:
         """Time in which the waves grow [s]; use `wave.ramp(t, ramp_time)`."""

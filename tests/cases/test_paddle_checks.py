@@ -1,0 +1,83 @@
+"""What `houle check` says of pistons and absorbing walls."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import pytest
+
+from houle import load
+from houle.case_files import override
+from houle.checks import check, require
+from houle.errors import CaseError
+from houle.wave_report import absorber_rows, steady, wave_rows
+
+FLUME: dict[str, Any] = {
+    "case": {"name": "flume"},
+    "domain": {"size": [8.0, 0.4], "spacing": 0.02},
+    "water": [{"below": 0.25}],
+    "waves": {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25, "piston": {"x": 0.4, "absorb": True}},
+    "absorber": [{"x": 7.6}],
+    "gauge": [{"x": 2.0}, {"x": 2.3}, {"x": 2.8}],
+    "time": {"end": 20.0},
+}
+
+
+def flume(**changes):
+    data = copy.deepcopy(FLUME)
+    for key, value in changes.items():
+        override(data, key.replace("__", "."), value)
+    return data
+
+
+def errors(data):
+    return [str(f) for f in check(load(data)) if f.level == "error"]
+
+
+def test_a_sound_flume_is_sound():
+    assert errors(FLUME) == []
+    told = dict(wave_rows(load(FLUME)))["made by"]
+    assert "piston at x = 0.4 m, stroke 0.0436 m, H/stroke = 0.918" in told and "second order; absorbs" in told
+    ((name, words),) = absorber_rows(load(FLUME))
+    assert name == "absorber.absorber-1" and "right end, at rest at x = 7.6 m; sends back" in words
+    assert "see steady waves" in str(steady(load(FLUME)))
+
+
+def test_a_solitary_wave_follows_the_water():
+    data = {**FLUME, "waves": {"kind": "solitary", "height": 0.05, "depth": 0.25, "piston": {"x": 0.4}}}
+    data["absorber"] = [{"x": 7.0}]
+    assert errors(data) == []
+    assert "goes with the water (Goring)" in dict(wave_rows(load(data)))["made by"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"waves__piston__x": 0.06}, r"waves\.piston\.x = 0.06 m: it goes 0.\d+ m to the left and needs 3 cells"),
+        ({"waves__piston__x": 9.0}, r"waves\.piston\.x = 9 lies outside the domain, 0 < x < 8 m"),
+        ({"absorber": [{"x": 7.97}]}, r"it goes 0.\d+ m to the right and needs 3 cells.*or longer"),
+        ({"absorber": [{"x": 1.0, "side": "left"}]}, r"both close the water at its left end: remove one; .*absorb = true"),
+        ({"gate": [{"x": 3.0, "speed": 1.0}]}, r"and a \[\[gate\]\] cannot stand in one tank"),
+        ({"numerics": {"scheme": "jh2020"}}, r'needs numerics.scheme = "houle"'),
+        ({"domain__walls": {"x": "periodic"}}, r"is a wall across the tank"),
+        ({"solid": [{"box": [[0.5, 0.0], [1.0, 0.1]]}]}, r"solid.*stands in the way of waves\.piston"),
+        ({"sponge": [{"box": [[0.0, 0.0], [1.0, 0.4]]}]}, r"lies where waves\.piston moves"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_with_its_cure(changes, words):
+    with pytest.raises(CaseError, match=words):
+        require(load(flume(**changes)))
+
+
+def test_gauges_behind_a_wall_and_forces_on_a_dry_one_are_warned_of():
+    data = flume(gauge=[{"x": 0.2}, {"x": 7.9}, {"x": 3.0}], force=[{"name": "F1", "side": "right"}])
+    told = [str(f) for f in check(load(data)) if f.level == "warning"]
+    assert any("gauge.G1.x = 0.2 m is behind waves.piston" in t for t in told)
+    assert any("gauge.G2.x = 7.9 m is behind absorber.absorber-1" in t for t in told)
+    assert any('force.F1.side = "right" is a dry wall behind absorber.absorber-1' in t for t in told)
+
+
+def test_one_maker_is_given():
+    with pytest.raises(CaseError, match=r"source and piston are given together; give exactly one of .*piston = \{x"):
+        load(flume(waves__source={"x": 2.0}))
