@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from houle.errors import SimulationError
 from houle.grid import FloatArray
+from houle.particles import Particles
 
 if TYPE_CHECKING:
     from houle.flow import Flow
-    from houle.particles import Particles
 
 ROOM = 3  # cells between a paddle and the sides of the tank: its mirror images need them
 LEEWAY = 40  # cells in front of a paddle over which the lattice of the particles gives way to it
@@ -66,8 +67,6 @@ class Paddle:
 
     def _in_front(self, particles: Particles) -> Particles:
         """Those of the particles that stand on its side of the water."""
-        from houle.particles import Particles
-
         kept = self.water * (particles.position[:, 0] - self.x) > 0
         return Particles(particles.position[kept], particles.velocity[kept], particles.volume[kept])
 
@@ -82,6 +81,15 @@ class Paddle:
         """To where it is at the end of the step."""
         self.x += self.way
         self.way = 0.0
+        grid = self.flow.grid
+        room = ROOM * grid.spacing[0]
+        if not room <= self.x <= grid.size[0] - room:
+            raise SimulationError(
+                f"{self.name} has gone {abs(self.x - self.rest):.3g} m from where it stands at rest, "
+                f"x = {self.rest:g}, to within {ROOM} cells of the side of the tank",
+                place=(self.x,),
+                diagnosis="A moving wall that absorbs goes as far as the waves take it: give it more room behind.",
+            )
 
     def close(self) -> None:
         """Closes faces and half cells, as it stands."""

@@ -9,6 +9,7 @@ import pytest
 from situations import copy_state, differing, simulation
 
 from houle import _core
+from houle.errors import SimulationError
 from houle.operations import prepare
 from houle.paddle import Paddle
 from houle.waves.dispersion import group_velocity, wave_number
@@ -79,6 +80,12 @@ def test_a_slow_paddle_lifts_the_level_as_the_volume_says(water):
         assert levels(sim).mean() == pytest.approx(volume / room, abs=0.25e-3)
         assert np.abs(levels(sim) - volume / room).max() < 2.5e-3
     assert paddle.x == pytest.approx(0.3 + 0.125 if water > 0 else 0.9 - 0.125)
+
+
+def test_a_paddle_that_leaves_its_room_stops_the_run():
+    sim = pushed(lambda t: -0.3 * t)
+    with pytest.raises(SimulationError, match=r"pushed has gone 0.2\d* m from where it stands at rest, x = 0.3"):
+        to(sim, 1.0)
 
 
 def test_water_stays_at_rest_before_a_paddle_at_rest():
