@@ -535,9 +535,17 @@ def test_pictures_show_makers_sponges_and_still_water(tmp_path, maker):
     outputs.close()
     pages = []
     for makers, boxes in (
-        ({"zone": None, "source": None}, []),
-        ({"zone": None, "source": None}, [((0.7, 0.0), (0.9, 0.3))]),
-        ({"zone": None, "source": None, maker: SimpleNamespace(x=(0.0, 0.3) if maker == "zone" else 0.3)}, []),
+        ({"zone": None, "source": None, "piston": None}, []),
+        ({"zone": None, "source": None, "piston": None}, [((0.7, 0.0), (0.9, 0.3))]),
+        (
+            {
+                "zone": None,
+                "source": None,
+                "piston": None,
+                maker: SimpleNamespace(x=(0.0, 0.3) if maker == "zone" else 0.3),
+            },
+            [],
+        ),
     ):
         case.waves, case.sponge = SimpleNamespace(**makers), [SimpleNamespace(box=box) for box in boxes]
         page = pictures.surface_picture(tmp_path / "surface.png", case, grid, read_surface(tmp_path))
