@@ -13,15 +13,15 @@ TRAVEL = 2.0  # cells that water must have come away from where it was for remes
 
 
 class Remeshing:
-    """Calls a remesher every `every` steps, once water has moved on. `count`: steps since the last time.
+    """Calls a remesher every `every` steps, once water has moved on by `travel` cells. `count`: steps since the last.
 
     travelled: integral of the pore velocity on the faces since then [m]. What counts is how far water is from where it
     was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro and leave
     them in order, and every remeshing at a porous face stirs the surface there (docs/decisions/0009).
     """
 
-    def __init__(self, remesher: Remesher, every: int) -> None:
-        self.remesher, self.every = remesher, every
+    def __init__(self, remesher: Remesher, every: int, travel: float = TRAVEL) -> None:
+        self.remesher, self.every, self.travel = remesher, every, travel
         self.count = 0
         self.travelled: Faces = []
 
@@ -31,7 +31,7 @@ class Remeshing:
         self.travelled = self.travelled or flow.grid.faces()
         for way, u in zip(self.travelled, flow.velocity, strict=True):
             way += dt * u
-        if self.count < self.every or self._farthest(flow) < TRAVEL:
+        if self.count < self.every or self._farthest(flow) < self.travel:
             return
         self.count = 0
         for way in self.travelled:

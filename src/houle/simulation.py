@@ -25,7 +25,7 @@ from houle.paddle import Paddle, place
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
 from houle.remesh import STRATEGIES
-from houle.remeshing import Remeshing
+from houle.remeshing import TRAVEL, Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.room import Room
 from houle.seeding import seed
@@ -62,7 +62,8 @@ class Simulation:
         )  # fmt: skip
         remesher = STRATEGIES[numerics.remesh](self.grid, self.medium.body)
         transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
-        remeshing = Remeshing(remesher, numerics.remesh_every)
+        travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
+        remeshing = Remeshing(remesher, numerics.remesh_every, travel)
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0

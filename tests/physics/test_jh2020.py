@@ -65,6 +65,19 @@ def test_its_remeshing_raises_the_surface_and_ours_does_not():
     assert abs(gained["conservative"]) < 1e-13
 
 
+def test_it_remeshes_every_so_many_steps_however_little_the_water_moved():
+    still = {
+        "case": {"name": "still"},
+        "domain": {"size": [0.4, 0.2], "spacing": 0.02},
+        "water": [{"below": 0.11}],
+        "time": {"end": 1.0, "step": 0.002},
+        "numerics": {"scheme": "jh2020", "remesh_every": 3},
+    }
+    sim = simulation(still)
+    run(sim, 7)
+    assert sim.step.remeshing.count == 1
+
+
 def test_it_runs_the_coarse_dam_break_to_its_end():
     sim = simulation(DAM_BREAK, numerics__scheme="jh2020")
     run(sim, 400, until=0.6)
