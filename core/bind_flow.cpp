@@ -25,6 +25,31 @@ static std::array<std::uint8_t*, D> masks_of(const Grid<D>& g, std::vector<Mask>
   return out;
 }
 
+using FaceNumbers = std::vector<Array<std::int32_t>>;  // empty: null
+
+static const Material* materials_of(const Field& table) {  // (K, 3)
+  static_assert(sizeof(Material) == 3 * sizeof(double));
+  if (table.ndim() != 2 || table.shape(1) != 3) throw std::invalid_argument("the materials must have shape (K, 3)");
+  return reinterpret_cast<const Material*>(table.data());
+}
+
+template <int D>
+static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const OptionalField& table, FaceFields& rate,
+                                   const OptionalField& inverse_n2) {
+  Resistance<D> r;
+  if (!table) return r;
+  if (number.size() != D) throw std::invalid_argument("number needs one array per axis");
+  for (int a = 0; a < D; ++a) {
+    require_size(number[a].size(), g.faces(a), "number");
+    r.number[a] = number[a].data();
+  }
+  if (inverse_n2) require_cells(g, inverse_n2->size(), "inverse_n2");
+  r.table = materials_of(*table);
+  r.rate = optional_faces(g, rate, "rate");
+  r.inverse_n2 = pointer(inverse_n2);
+  return r;
+}
+
 template <int D>
 static Obstacles<D> obstacles_of(const Grid<D>& g, const OptionalField& distance, const Field& gates,
                                  const OptionalField& paddles) {
@@ -86,26 +111,36 @@ static void bind(nb::module_& m) {
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "apply_forces",
-      [](G g, FaceFields u, FaceFields inertia, FaceFields darcy, FaceFields forchheimer, OptionalField inverse_n2,
+      [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalField inverse_n2,
          std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star, FaceFields drag,
-         FaceFields mobility, FaceFields resisted) {
-        Resistance<D> r{optional_faces(g, inertia, "inertia"), optional_faces(g, darcy, "darcy"),
-                        optional_faces(g, forchheimer, "forchheimer"), pointer(inverse_n2)};
+         FaceFields mobility) {
+        const auto r = resistance_of<D>(g, number, table, rate, inverse_n2);
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto ex = optional_faces(g, extra, "extra");
-        const auto s = faces_of(g, star, "star"), b = faces_of(g, mobility, "mobility");
+        const auto s = faces_of(g, star, "star");
         const auto d = drag.empty() ? Faces<D>() : faces_of(g, drag, "drag"),
-                   re = resisted.empty() ? Faces<D>() : faces_of(g, resisted, "resisted");
+                   b = mobility.empty() && !table ? Faces<D>() : faces_of(g, mobility, "mobility");
         nb::gil_scoped_release release;
-        apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b, re);
+        apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b);
       },
-      "grid"_a, "u"_a, "inertia"_a, "darcy"_a, "forchheimer"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
-      "star"_a, "drag"_a, "mobility"_a, "resisted"_a,
-      "Body forces, implicit porous resistance and Bernoulli term over one step.");
+      "grid"_a, "u"_a, "number"_a, "table"_a.none(), "rate"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
+      "star"_a, "drag"_a, "mobility"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
+  m.def(
+      "drag_work",
+      [](G g, FaceNumbers number, Field table, FaceFields rate, FaceFields mass, FaceFields mobility, FaceFields before,
+         FaceFields after) {
+        const auto r = resistance_of<D>(g, number, table, rate, std::nullopt);
+        const auto mm = ConstFaces<D>(faces_of(g, mass, "mass")), mo = ConstFaces<D>(faces_of(g, mobility, "mobility"));
+        const auto b = ConstFaces<D>(faces_of(g, before, "before")), e = ConstFaces<D>(faces_of(g, after, "after"));
+        nb::gil_scoped_release release;
+        return drag_work<D>(g, r, mm, mo, b, e);
+      },
+      "grid"_a, "number"_a, "table"_a, "rate"_a, "mass"_a, "mobility"_a, "before"_a, "after"_a,
+      "Energy the drag took in a step, per unit density.");
   m.def(
       "pressure_system",
-      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, FaceFields star, double least,
-         FaceFields k, Field e, Field rhs) {
+      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, double step, FaceFields star,
+         double least, FaceFields k, Field e, Field rhs) {
         require_cells(g, active.size(), "active");
         require_cells(g, depth.size(), "depth");
         require_cells(g, e.size(), "e");
@@ -114,14 +149,14 @@ static void bind(nb::module_& m) {
         const auto mo = optional_faces(g, mobility, "mobility"), st = optional_faces(g, star, "star");
         const auto kk = faces_of(g, k, "k");
         nb::gil_scoped_release release;
-        pressure_system<D>(g, active.data(), depth.data(), o, mo, st, least, kk, e.data(), rhs.data());
+        pressure_system<D>(g, active.data(), depth.data(), o, mo, step, st, least, kk, e.data(), rhs.data());
       },
-      "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "star"_a, "least"_a, "k"_a, "e"_a, "rhs"_a,
+      "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "step"_a, "star"_a, "least"_a, "k"_a, "e"_a, "rhs"_a,
       "Coefficients and right-hand side of the pressure system at the sub-cell surface.");
   m.def(
       "project",
-      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, Field p, double least, FaceFields u,
-         std::vector<Mask> valid) {
+      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, double step, Field p, double least,
+         FaceFields u, std::vector<Mask> valid) {
         require_cells(g, active.size(), "active");
         require_cells(g, depth.size(), "depth");
         require_cells(g, p.size(), "pressure");
@@ -130,9 +165,9 @@ static void bind(nb::module_& m) {
         const auto uu = faces_of(g, u, "velocity");
         const auto v = masks_of(g, valid);
         nb::gil_scoped_release release;
-        project<D>(g, active.data(), depth.data(), o, mo, p.data(), least, uu, v);
+        project<D>(g, active.data(), depth.data(), o, mo, step, p.data(), least, uu, v);
       },
-      "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "pressure"_a, "least"_a, "u"_a, "valid"_a,
+      "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "step"_a, "pressure"_a, "least"_a, "u"_a, "valid"_a,
       "Takes the pressure gradient off the faces of the water, in place.");
   m.def(
       "max_divergence",
@@ -206,16 +241,16 @@ static void bind(nb::module_& m) {
       "grid"_a, "u"_a, "molecular"_a, "constant"_a, "nu"_a, "Smagorinsky viscosity of the cells [m2/s].");
   m.def(
       "viscous_acceleration",
-      [](G g, FaceFields u, FaceFields mass, double least, Field nu, OptionalField porosity,
+      [](G g, FaceFields u, FaceFields mass, double least, double molecular, OptionalField nu, OptionalField porosity,
          std::array<bool, 2 * D> no_slip, FaceFields out) {
-        require_cells(g, nu.size(), "nu");
+        if (nu) require_cells(g, nu->size(), "nu");
         if (porosity) require_cells(g, porosity->size(), "porosity");
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity")), mm = ConstFaces<D>(faces_of(g, mass, "mass"));
         const auto oo = faces_of(g, out, "out");
         nb::gil_scoped_release release;
-        viscous_acceleration<D>(g, uu, mm, least, nu.data(), pointer(porosity), no_slip.data(), oo);
+        viscous_acceleration<D>(g, uu, mm, least, molecular, pointer(nu), pointer(porosity), no_slip.data(), oo);
       },
-      "grid"_a, "u"_a, "mass"_a, "least"_a, "nu"_a, "porosity"_a.none(), "no_slip"_a, "out"_a,
+      "grid"_a, "u"_a, "mass"_a, "least"_a, "molecular"_a, "nu"_a.none(), "porosity"_a.none(), "no_slip"_a, "out"_a,
       "Viscous acceleration of the faces [m/s2].");
   m.def(
       "density_excess",
@@ -263,22 +298,24 @@ static void bind_sums(nb::module_& m) {
       "bulk"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the particles per unit density.");
   m.def(
       "face_kinetic_energy",
-      [](Field mass, OptionalField inertia, Field u) {
-        require_size(u.size(), static_cast<index>(mass.size()), "velocity");
-        if (inertia) require_size(inertia->size(), static_cast<index>(mass.size()), "inertia");
-        nb::gil_scoped_release release;
-        return face_kinetic_energy(static_cast<index>(mass.size()), mass.data(), pointer(inertia), u.data());
-      },
-      "mass"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the faces of one axis per unit density.");
-  m.def(
-      "face_drag_work",
-      [](Field mass, Field inertia, Field resisted, Field before, Field after) {
+      [](Field mass, std::optional<Array<std::int32_t>> number, Field table, Field u) {
         const index n = static_cast<index>(mass.size());
-        for (const Field* f : {&inertia, &resisted, &before, &after}) require_size(f->size(), n, "face field");
+        require_size(u.size(), n, "velocity");
+        if (number) require_size(number->size(), n, "number");
+        const std::int32_t* numbers = number ? number->data() : nullptr;
         nb::gil_scoped_release release;
-        return face_drag_work(n, mass.data(), inertia.data(), resisted.data(), before.data(), after.data());
+        return face_kinetic_energy(n, mass.data(), numbers, materials_of(table), u.data());
       },
-      "mass"_a, "inertia"_a, "resisted"_a, "before"_a, "after"_a, "Energy the drag took in a step, per unit density.");
+      "mass"_a, "number"_a.none(), "table"_a, "u"_a, "Kinetic energy of the faces of one axis per unit density.");
+  m.def(
+      "face_power",
+      [](Field mass, Field u, Field acceleration) {
+        const index n = static_cast<index>(mass.size());
+        for (const Field* f : {&u, &acceleration}) require_size(f->size(), n, "face field");
+        nb::gil_scoped_release release;
+        return face_power(n, mass.data(), u.data(), acceleration.data());
+      },
+      "mass"_a, "u"_a, "acceleration"_a, "Power of accelerations of the faces of one axis, per unit density.");
   m.def(
       "face_power",
       [](Field mass, Field u, Field acceleration) {

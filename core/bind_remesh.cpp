@@ -33,7 +33,7 @@ template <int D>
 static void bind(nb::module_& m) {
   m.def(
       "remesh_conservative",
-      [](const Grid<D>& g, Array<std::int32_t> body, Array<double> x, Array<double> u, Array<double> volume,
+      [](const Grid<D>& g, Array<std::int8_t> body, Array<double> x, Array<double> u, Array<double> volume,
          Array<double> porosity, index first, index last) {
         const auto p = particles_of<D>(x, u, volume, porosity);
         require_size(body.size(), g.cells() << D, "body");

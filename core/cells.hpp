@@ -7,13 +7,20 @@
 
 namespace houle {
 
-// The porous medium as the faces see it (null pointers: clear water everywhere).
+// What stands around a face: few different ones, in a table.
+struct Material {
+  double inertia;      // <C_r / n>
+  double darcy;        // <a> [1/s], per Darcy velocity
+  double forchheimer;  // <b> [1/m]
+};
+
+// The porous medium as the faces see it.
 template <int D>
 struct Resistance {
-  ConstFaces<D> inertia;               // <C_r / n>
-  ConstFaces<D> darcy;                 // <a> [1/s], per Darcy velocity
-  ConstFaces<D> forchheimer;           // <b> [1/m]
-  const double* inverse_n2 = nullptr;  // cells <1/n^2>
+  std::array<const std::int32_t*, D> number{};  // of the material of each face
+  const Material* table = nullptr;              // null: clear water everywhere
+  ConstFaces<D> rate;                           // further linear resistance of the faces [1/s], null: none
+  const double* inverse_n2 = nullptr;           // cells <1/n^2>, null: 1
 };
 
 // What surrounds the faces of axis a on one row: of the other components the four faces around, and the cells about.
@@ -30,7 +37,7 @@ struct FaceRow {
     for (int s = 0; s < 2; ++s) {
       auto j = i;
       if (a != up) j[a] = inside(i[a] - 1 + s, g.shape[a], g.periodic[a]);
-      side[s] = cells + Grid<D>::flat(j, stride);
+      side[s] = at(cells, Grid<D>::flat(j, stride));
       for (int b = 0; b < D; ++b) {
         if (b == a) continue;
         const auto across = Grid<D>::strides(g.face_shape(b));
@@ -39,15 +46,28 @@ struct FaceRow {
         if (b == up) continue;
         auto n = j;
         n[b] = inside(i[b] + 1, g.shape[b], g.periodic[b]);
-        after[b][s] = cells + Grid<D>::flat(n, stride);
+        after[b][s] = at(cells, Grid<D>::flat(n, stride));
         n[b] = inside(i[b] - 1, g.shape[b], g.periodic[b]);
-        before[b][s] = cells + Grid<D>::flat(n, stride);
+        before[b][s] = at(cells, Grid<D>::flat(n, stride));
       }
     }
   }
   double other(int b, index kl, index kh) const {  // component b, averaged to the face
     return 0.25 * (around[b][0][kl] + around[b][1][kl] + around[b][2][kh] + around[b][3][kh]);
   }
+  std::array<double, D> velocity(double own, index kl, index kh) const {  // on the face, whose own component is `own`
+    std::array<double, D> v;
+    each_of<D>([&](auto b) {
+      if constexpr (decltype(b)::value == a)
+        v[b] = own;
+      else
+        v[b] = other(b, kl, kh);
+    });
+    return v;
+  }
+
+ private:
+  static const double* at(const double* cells, index i) { return cells ? cells + i : nullptr; }
 };
 
 // (1 - exp(-y)) / y, for the small y of most faces by its series sum_k (-y)^k / (k+1)!, to round-off
@@ -71,73 +91,68 @@ inline double phi1(double y) {
 // quadratic drag, with the exact steady state for any dt:  u1 = u0 + Phi dt c (f - grad p - R u0),  c = 1/<C_r/n>,
 // Phi = phi1(dt c J),  J = a + b (|u| + u_a^2/|u|) + 2 max(sigma, 0).
 // Out, per face: star = u0 + Phi dt c (f - R u0); drag = 1 - Phi dt c R, so star = drag u0 + Phi dt c f;
-// mobility = Phi dt c [s], the factor of grad p in the projection (15), (16);
-// resisted = Phi dt c (a + b |u|), the share of u0 that the drag takes, for the ledger (not written in clear water).
-// drag and resisted may be null.
+// mobility = Phi dt c [s], the factor of grad p in the projection (15), (16).
+// drag may be null; in clear water mobility, which is dt there, too.
 // extra: further acceleration on the faces [m/s2] (waves, viscosity), null if none; gravity (D,).
 template <int D>
 inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium, const double* gravity,
-                         ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility,
-                         Faces<D> resisted) {
+                         ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility) {
   each_of<D>([&](auto axis) {
     constexpr int a = decltype(axis)::value, up = D - 1;
     const double force = gravity[a];
     const double *ua = u[a], *ex = extra[a];
-    double *us = star[a], *dr = drag[a], *mo = mobility[a], *re = resisted[a];
-    if (!medium.inverse_n2) {
+    double *us = star[a], *dr = drag[a], *mo = mobility[a];
+    if (!medium.table) {
       parallel_for(g.faces(a), [=](index f) {
         us[f] = ua[f] + dt * (force + (ex ? ex[f] : 0.0));
         if (dr) dr[f] = 1.0;
-        mo[f] = dt;
+        if (mo) mo[f] = dt;
       });
       return;
     }
-    const double *inertia = medium.inertia[a], *A = medium.darcy[a], *B = medium.forchheimer[a];
-    const double* cells = medium.inverse_n2;
+    const std::int32_t* number = medium.number[a];
+    const Material* table = medium.table;
+    const double *rate = medium.rate[a], *cells = medium.inverse_n2;
     const auto shape = g.face_shape(a);
     const index line = shape[up], nz = g.shape[up];
     const auto face = [=](const FaceRow<D, a>& row, index f, index k) {
       const index kl = a == up ? inside(k - 1, nz, g.periodic[up]) : k,
                   kh = a == up ? inside(k, nz, g.periodic[up]) : k;
-      double v[D];
+      const auto v = row.velocity(ua[f], kl, kh);
       double speed2 = 0.0;
-      each_of<D>([&](auto b) {
-        if constexpr (decltype(b)::value == a)
-          v[b] = ua[f];
-        else
-          v[b] = row.other(b, kl, kh);
-        speed2 += v[b] * v[b];
-      });
-      const double c = 1.0 / inertia[f];
-      double R = A[f], J = A[f], taken = A[f];
+      for (int b = 0; b < D; ++b) speed2 += v[b] * v[b];
+      const Material m = table[number[f]];
+      const double c = 1.0 / m.inertia, A = m.darcy + (rate ? rate[f] : 0.0);
+      double R = A, J = A;
       if (speed2 > 0.0) {
         double sigma = 0.0;  // of grad(1/n^2): across the face in its own axis, central in the others
-        each_of<D>([&](auto axis_b) {
-          constexpr int b = decltype(axis_b)::value;
-          if constexpr (b == a) {
-            sigma += 0.5 * v[b] * (row.side[1][kh] - row.side[0][kl]) / g.h[b];
-          } else if constexpr (b == up) {
-            const index ku = inside(k + 1, nz, g.periodic[up]), kd = inside(k - 1, nz, g.periodic[up]);
-            const double rise = row.side[0][ku] - row.side[0][kd] + row.side[1][ku] - row.side[1][kd];
-            sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
-          } else {
-            const double rise = row.after[b][0][kl] - row.before[b][0][kl] + row.after[b][1][kh] - row.before[b][1][kh];
-            sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
-          }
-        });
-        if (B[f] > 0.0) {
+        if (cells)
+          each_of<D>([&](auto axis_b) {
+            constexpr int b = decltype(axis_b)::value;
+            if constexpr (b == a) {
+              sigma += 0.5 * v[b] * (row.side[1][kh] - row.side[0][kl]) / g.h[b];
+            } else if constexpr (b == up) {
+              const index ku = inside(k + 1, nz, g.periodic[up]), kd = inside(k - 1, nz, g.periodic[up]);
+              const double rise = row.side[0][ku] - row.side[0][kd] + row.side[1][ku] - row.side[1][kd];
+              sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
+            } else {
+              const double rise =
+                  row.after[b][0][kl] - row.before[b][0][kl] + row.after[b][1][kh] - row.before[b][1][kh];
+              sigma += 0.5 * v[b] * rise / (4.0 * g.h[b]);
+            }
+          });
+        if (m.forchheimer > 0.0) {
           const double speed = std::sqrt(speed2);
-          taken += B[f] * speed;
-          J += B[f] * (speed + v[a] * v[a] / speed);
+          R += m.forchheimer * speed;
+          J += m.forchheimer * (speed + v[a] * v[a] / speed);
         }
-        R = taken + sigma;
+        R += sigma;
         J += sigma > 0.0 ? 2.0 * sigma : 0.0;
       }
       const double step = J == 0.0 ? dt * c : phi1(dt * c * J) * dt * c;  // phi1(0) = 1: clear water
       const double kept = 1.0 - step * R;
       if (dr) dr[f] = kept;
       mo[f] = step;
-      if (re) re[f] = step * taken;
       us[f] = ua[f] * kept + step * (force + (ex ? ex[f] : 0.0));
     };
     parallel_for(
@@ -150,20 +165,56 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
   });
 }
 
+// Energy that the drag took in a step, sum_f m_f J_f r_f u0_f (u0_f + u1_f) / 2 with J = C_r/n and r = mobility
+// (a + b |u0|), the share of u0 that it takes; per unit density. u, mobility: u0 and what apply_forces() gave for it.
+template <int D>
+inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFaces<D> mass, ConstFaces<D> mobility,
+                        ConstFaces<D> u, ConstFaces<D> after) {
+  double work = 0.0;
+  each_of<D>([&](auto axis) {
+    constexpr int a = decltype(axis)::value, up = D - 1;
+    const auto shape = g.face_shape(a);
+    const index line = shape[up], nz = g.shape[up];
+    const double *m = mass[a], *k_a = mobility[a], *u0 = u[a], *u1 = after[a], *rate = medium.rate[a];
+    const std::int32_t* number = medium.number[a];
+    const Material* table = medium.table;
+    work += parallel_sum(g.faces(a) / line, [=](index r) {
+      const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, nullptr);
+      double sum = 0.0;
+      for (index k = 0; k < line; ++k) {
+        const index f = r * line + k;
+        const Material material = table[number[f]];
+        double taken = material.darcy + (rate ? rate[f] : 0.0);
+        if (material.forchheimer > 0.0) {
+          const index kl = a == up ? inside(k - 1, nz, g.periodic[up]) : k,
+                      kh = a == up ? inside(k, nz, g.periodic[up]) : k;
+          double speed2 = 0.0;
+          for (double v : row.velocity(u0[f], kl, kh)) speed2 += v * v;
+          taken += material.forchheimer * std::sqrt(speed2);
+        }
+        sum += 0.5 * m[f] * material.inertia * k_a[f] * taken * u0[f] * (u0[f] + u1[f]);
+      }
+      return sum;
+    });
+  });
+  return work;
+}
+
 // Coefficients of the pressure system (15) at the true sub-cell surface:
 //   sum_f k_f (p_c - p_nb) + e_c p_c = -(1/h) sum of the net outflux of `star`   [1/s], p = pressure / density.
-// k = open mobility / h^2 on every face; e (cells): faces from an active cell to air, k / theta. mobility or star may
-// be null: then 1, and no right-hand side (the position correction). least: depth of an active centre that counts.
+// k = open mobility / h^2 on every face; e (cells): faces from an active cell to air, k / theta. Where mobility is null
+// it is `step` everywhere; where star is null there is no right-hand side (the position correction). least: depth of an
+// active centre that counts.
 template <int D>
 inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
-                            ConstFaces<D> mobility, ConstFaces<D> star, double least, Faces<D> k, double* e,
-                            double* rhs) {
+                            ConstFaces<D> mobility, double step, ConstFaces<D> star, double least, Faces<D> k,
+                            double* e, double* rhs) {
   const auto stride = Grid<D>::strides(g.shape);
   for (int a = 0; a < D; ++a) {
     const double *o = open[a], *mo = mobility[a];
     double* ka = k[a];
     const double h2 = 1.0 / (g.h[a] * g.h[a]);
-    parallel_for(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : 1.0) * h2; });
+    parallel_for(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : step) * h2; });
   }
   constexpr int up = D - 1;
   const index nz = g.shape[up];
@@ -176,11 +227,11 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
         if (top == 0) return;
         const auto i = Grid<D>::unflat(r, rows_of<D>(g.shape));
         const auto beside = rows_beside<D>(g, i, g.shape);
-        index first[D], step[D];  // face before the cell k = 0, and from there to the face after it
+        index first[D], next[D];  // face before the cell k = 0, and from there to the face after it
         for (int a = 0; a < D; ++a) {
           const auto stride = Grid<D>::strides(g.face_shape(a));
           first[a] = Grid<D>::flat(i, stride);
-          step[a] = stride[a];
+          next[a] = stride[a];
         }
         for (index j = 0; j < top; ++j) {
           const index c = row + j;
@@ -197,7 +248,7 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
                 nb = beside[2 * a + s] < 0 ? -1 : beside[2 * a + s] + j;
               }
               if (nb < 0) continue;
-              const index f = first[a] + j + (s ? step[a] : 0);
+              const index f = first[a] + j + (s ? next[a] : 0);
               if (star[0]) flux += (s ? 1.0 : -1.0) * open[a][f] * star[a][f] / g.h[a];
               if (!active[nb] && k[a][f] > 0.0) air += k[a][f] / surface_fraction(depth[c], depth[nb], least);
             }
@@ -210,10 +261,11 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
 }
 
 // Takes the pressure gradient off the faces that touch an active cell, and closes the others (16). In place on u =
-// star. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else 0. mobility null: 1.
+// star. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else 0. mobility null:
+// `step`.
 template <int D>
 inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
-                    ConstFaces<D> mobility, const double* p, double least, Faces<D> u,
+                    ConstFaces<D> mobility, double step, const double* p, double least, Faces<D> u,
                     const std::array<std::uint8_t*, D>& valid) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
@@ -232,13 +284,13 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
       const bool wet_low = active[low], wet_high = active[high];
       known[f] = (wet_low || wet_high) && o[f] > 0.0;
       if (!known[f]) return;
-      const double step = (mo ? mo[f] : 1.0) / h;
+      const double factor = (mo ? mo[f] : step) / h;
       if (wet_low && wet_high) {
-        ua[f] -= step * (p[high] - p[low]);
+        ua[f] -= factor * (p[high] - p[low]);
       } else if (wet_low) {
-        ua[f] += step * p[low] / surface_fraction(depth[low], depth[high], least);
+        ua[f] += factor * p[low] / surface_fraction(depth[low], depth[high], least);
       } else {
-        ua[f] -= step * p[high] / surface_fraction(depth[high], depth[low], least);
+        ua[f] -= factor * p[high] / surface_fraction(depth[high], depth[low], least);
       }
     };
     parallel_for(

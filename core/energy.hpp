@@ -1,7 +1,7 @@
 // Sums for the ledger: kinetic and potential energy, momentum, volume. Block-wise, so the same for any threads.
 #pragma once
 
-#include "kernels.hpp"
+#include "cells.hpp"
 
 namespace houle {
 
@@ -28,16 +28,16 @@ inline double kinetic_energy(index n, const double* bulk, const double* inertia,
   });
 }
 
-// 1/2 sum_f m_f J_f u_f^2 over the faces of one axis
-inline double face_kinetic_energy(index n, const double* mass, const double* inertia, const double* u) {
-  return sum_by_four(n, [=](index f) { return 0.5 * mass[f] * (inertia ? inertia[f] : 1.0) * u[f] * u[f]; });
+// 1/2 sum_f m_f J_f u_f^2 over the faces of one axis; J by the number of the face's material, 1 where that is null
+inline double face_kinetic_energy(index n, const double* mass, const std::int32_t* number, const Material* table,
+                                  const double* u) {
+  return sum_by_four(n,
+                     [=](index f) { return 0.5 * mass[f] * (number ? table[number[f]].inertia : 1.0) * u[f] * u[f]; });
 }
 
-// sum_f m_f J_f r_f u0_f (u0_f + u1_f)/2: what the drag has taken in a step, r the share of u0 it takes
-inline double face_drag_work(index n, const double* mass, const double* inertia, const double* resisted,
-                             const double* before, const double* after) {
-  return sum_by_four(
-      n, [=](index f) { return 0.5 * mass[f] * inertia[f] * resisted[f] * before[f] * (before[f] + after[f]); });
+// sum_f m_f u_f a_f over the faces of one axis: the power of accelerations
+inline double face_power(index n, const double* mass, const double* u, const double* acceleration) {
+  return sum_by_four(n, [=](index f) { return mass[f] * u[f] * acceleration[f]; });
 }
 
 // sum_f m_f u_f f_f over the faces of one axis: the rate of work of the accelerations f

@@ -151,18 +151,17 @@ inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs,
 
 template <int D>
 struct Receivers {  // the nodes that may hold a particle, in memory order; number[node] is -1 for the others
-  std::vector<std::int32_t> number;
-  std::vector<index> node;
+  std::vector<std::int32_t> number, node;
 
   // class_of: (nodes,) class of each node, negative for solid; null: no classes
-  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const std::int32_t* class_of, double threshold)
+  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const std::int8_t* class_of, double threshold)
       : number(fill.size()) {
     std::int32_t count = 0;
     for (index i = 0; i < l.nodes(); ++i)
       number[i] = fill[i] >= threshold && (!class_of || class_of[i] >= 0) ? count++ : -1;
     node.resize(count);
     for (index i = 0; i < l.nodes(); ++i)
-      if (number[i] >= 0) node[number[i]] = i;
+      if (number[i] >= 0) node[number[i]] = static_cast<std::int32_t>(i);
   }
   index count() const { return static_cast<index>(node.size()); }
 };
@@ -198,9 +197,9 @@ constexpr double see = 0.5;      // weights a particle must see, else all goes t
 // Gives particle i to the receivers of its class; false where none is near (spray): the particle then stays as it is.
 template <int D>
 inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const std::int32_t* number,
-                 const std::int32_t* class_of, Gathered<D>* nodes) {
+                 const std::int8_t* class_of, Gathered<D>* nodes) {
   const double* x = p.x + i * D;
-  const std::int32_t own = class_of[l.half_cell(x)];
+  const int own = class_of[l.half_cell(x)];
   if (own < 0) return false;
   const LatticeStencil<D> s(l, x);
   Gathered<D> g(p, i);
@@ -248,7 +247,7 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
 // The node of the same class within `radius` nodes that holds most, if it holds more than `least`; -1: none
 template <int D>
 inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, double least, const std::int32_t* number,
-                               const std::int32_t* class_of, const Gathered<D>* nodes) {
+                               const std::int8_t* class_of, const Gathered<D>* nodes) {
   const auto centre = Grid<D>::unflat(node, l.shape);
   const index width = 2 * radius + 1, candidates = D == 2 ? width * width : width * width * width;
   index best = -1;
@@ -286,7 +285,7 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> g
 // that has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not,
 // where the porosity changes.
 template <int D>
-inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std::int32_t* class_of, Gathered<D>* nodes,
+inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std::int8_t* class_of, Gathered<D>* nodes,
                   std::vector<unsigned char>& gone) {
   const std::int32_t* number = receivers.number.data();
   for (index r = 0; r < receivers.count(); ++r) {
@@ -305,18 +304,18 @@ inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std:
 // return gone[r] tells which; a little water with no neighbour to go to stays (but none below nothing).
 template <int D>
 inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers,
-                                              const std::int32_t* class_of, Gathered<D>* nodes) {
+                                              const std::int8_t* class_of, Gathered<D>* nodes) {
   const index count = receivers.count();
-  std::vector<index> target(count, -1);
+  std::vector<std::int32_t> target(count, -1);
   std::vector<unsigned char> gone(count, 0);
   const std::int32_t* number = receivers.number.data();
-  const index* node = receivers.node.data();
-  index* to = target.data();
+  const std::int32_t* node = receivers.node.data();
+  std::int32_t* to = target.data();
   const double enough = remesh::keep * l.volume;
   parallel_for(count, [=, &l](index r) {
     if (nodes[r].volume == 0 || nodes[r].bulk >= enough) return;
     for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
-      to[r] = fullest_neighbour(l, node[r], radius, enough, number, class_of, nodes);
+      to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, class_of, nodes));
   });
   for (index r = 0; r < count; ++r) {
     gone[r] = nodes[r].volume == 0;
@@ -330,7 +329,7 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
 
 // Position of the particle of a node: where its water came from on average, never in a half cell of another class.
 template <int D>
-inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const std::int32_t* class_of, double* x) {
+inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const std::int8_t* class_of, double* x) {
   const auto at = Grid<D>::unflat(node, l.shape);
   double offset[D];
   bool inside = true;
@@ -352,7 +351,7 @@ inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const s
 // Conserves, in every class, sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
 // place(). first, last: nodes along the first axis between which the water is; walls stand at both ends.
 template <int D>
-inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int32_t* class_of,
+inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int8_t* class_of,
                                              const ParticleView<D>& p, index first, index last) {
   const Lattice<D> l(grid, first, last);
   const Slabs<D> slabs(l, p.n, p.x);
@@ -366,14 +365,14 @@ inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int
   slabs.scatter([=, &l](index i) { stays[i] = !give(l, p, i, number, class_of, nodes); });
   const auto gone = merge_small(l, receivers, class_of, nodes);
 
-  std::vector<index> from;  // node numbers, then count + particle numbers
+  std::vector<std::int32_t> from;  // node numbers, then count + particle numbers
   from.reserve(count);
   for (index r = 0; r < count; ++r)
-    if (!gone[r]) from.push_back(r);
+    if (!gone[r]) from.push_back(static_cast<std::int32_t>(r));
   for (index i = 0; i < p.n; ++i)
-    if (stays[i]) from.push_back(count + i);
+    if (stays[i]) from.push_back(static_cast<std::int32_t>(count + i));
   ParticleArrays<D> out(static_cast<index>(from.size()));
-  const index *source = from.data(), *node = receivers.node.data();
+  const std::int32_t *source = from.data(), *node = receivers.node.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
   parallel_for(static_cast<index>(from.size()), [=, &l](index i) {
     const index r = source[i], old = r - count;
@@ -407,7 +406,7 @@ inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const ParticleView<D>
   double least = 1.0;  // porosity: the mean of a node, with weights of both signs, is kept within those there are
   for (index i = 0; i < p.n; ++i) least = std::min(least, p.porosity[i]);
   ParticleArrays<D> out(receivers.count());
-  const index* node = receivers.node.data();
+  const std::int32_t* node = receivers.node.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
   parallel_for(receivers.count(), [=, &l](index r) {
     const auto at = Grid<D>::unflat(node[r], l.shape);

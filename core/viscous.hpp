@@ -46,10 +46,10 @@ inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, 
 
 // acceleration = nu lap(u_d) / n on the faces (13), second order, zero gradient towards empty faces.
 // no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water (ghost value -u), else it slips.
-// nu (cells), porosity (cells, null: 1), mass (faces) and the least mass of a face that holds water.
+// nu (cells, null: `molecular`), porosity (cells, null: 1), mass (faces) and the least mass of a face that holds water.
 template <int D>
-inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, const double* nu,
-                                 const double* porosity, const bool* no_slip, Faces<D> out) {
+inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
+                                 const double* nu, const double* porosity, const bool* no_slip, Faces<D> out) {
   std::array<bool, 2 * D> hold;
   for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
   constexpr int up = D - 1;
@@ -102,7 +102,7 @@ inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D
             });
             const index cl = a == up ? low + inside(k - 1, nz, true) : low + k, ch = a == up ? high + k % nz : high + k;
             const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
-            o[f] = 0.5 * (nu[cl] + nu[ch]) * laplacian / n;
+            o[f] = (nu ? 0.5 * (nu[cl] + nu[ch]) : molecular) * laplacian / n;
           }
         },
         16);

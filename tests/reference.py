@@ -11,6 +11,9 @@ from math import erf, exp, floor, isnan, sqrt
 
 import numpy as np
 
+from houle.moments import Measure
+from houle.porous import partition
+
 SIGMA = 0.6  # standard deviation of the Gaussian kernels, in cells
 REACH = 3  # where they are cut, in cells
 
@@ -482,3 +485,27 @@ def viscous_acceleration(grid, u, mass, least, nu, porosity, no_slip):
             n = 1.0 if porosity is None else 0.5 * (porosity[low] + porosity[high])
             out[a][i] = 0.5 * (nu[low] + nu[high]) * laplacian / n
     return out
+
+
+# ---- the medium ------------------------------------------------------------------------------------------------------
+
+
+def with_tent(zero, one, periodic):
+    """Mean with weight 1 - |x - x_c| / h around each centre x_c; what falls behind a wall is folded back, or wraps."""
+    low, high, low_one, high_one = zero[..., 0::2], zero[..., 1::2], one[..., 0::2], one[..., 1::2]
+    upward, downward = 0.25 * high + 0.5 * high_one, 0.25 * low - 0.5 * low_one  # what the next and the last cell get
+    mean = 0.75 * (low + high) + 0.5 * (low_one - high_one)
+    mean[..., 1:] += upward[..., :-1]
+    mean[..., :-1] += downward[..., 1:]
+    mean[..., 0] += upward[..., -1] if periodic else downward[..., 0]
+    mean[..., -1] += downward[..., 0] if periodic else upward[..., -1]
+    return mean / 2
+
+
+def tent_porosity(grid, bodies, solids):
+    """Mean of n * open with the weight prod_a max(0, 1 - |x_a - xc_a| / h_a): what the tent of a full cell holds."""
+    parts, tents = partition(grid, bodies, solids), [with_tent] * grid.dimension
+    held = 1.0 - Measure.of(grid, [(span, solid) for span, solid, _ in parts]).mean(tents)
+    for k, body in enumerate(bodies):
+        held += (body.porosity - 1.0) * Measure.of(grid, [(span, areas[k]) for span, _, areas in parts]).mean(tents)
+    return held

@@ -69,8 +69,7 @@ class Flow:
         self.velocity = g.faces()  # Darcy velocity [m/s]
         self.old_velocity = g.faces()  # before the forces; until then the transfer and the viscosity work in it
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
-        self.resisted: Faces = []  # share of the old velocity that the drag takes, where there is any
-        self.nu = g.cells(viscosity)  # kinematic viscosity with the eddies' [m2/s]
+        self.nu = g.cells() if smagorinsky > 0.0 else None  # kinematic viscosity with the eddies' [m2/s]
         self.pressure = g.cells()  # p / rho [m2/s2]
         self.psi = g.cells()  # potential of the position correction [m2]
         self.extra: Faces = []  # further accelerations on the faces [m/s2], for the next forces; empty: none
@@ -89,7 +88,6 @@ class Flow:
         self.push: Faces = []  # their accelerations [m/s2]
         self.pushed: dict[int, slice] = {}  # axes of the faces that they push, and which along x
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
-        self.linear = medium.darcy  # that with the structure's [1/s]
         self.open_faces = medium.open_faces  # replaced by copies where gates close some
 
         self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
@@ -100,6 +98,16 @@ class Flow:
     def viscous(self) -> bool:
         """Whether anything rubs, water or eddies."""
         return self.viscosity > 0.0 or self.smagorinsky > 0.0
+
+    @property
+    def resists(self) -> bool:
+        """Whether anything resists the flow, bodies or sponges."""
+        return self.porous or bool(self.damping)
+
+    @property
+    def mobility(self) -> Faces:
+        """Factor of grad p in the projection [s]; empty where nothing resists: it is the time step."""
+        return self.work.mobility if self.resists else []
 
     @cached_property
     def smoothing(self) -> Smoothing:
@@ -125,7 +133,6 @@ class Flow:
     def damp(self, rate: Faces) -> None:
         """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
         self.damping = rate
-        self.linear = [a + s for a, s in zip(self.medium.darcy, rate, strict=True)]
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
@@ -171,9 +178,8 @@ class Flow:
     def cell_inertia(self) -> FloatArray:
         if not hasattr(self, "_cell_inertia"):
             d = self.grid.dimension
-            parts = [
-                0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in enumerate(self.medium.inertia)
-            ]
+            faces = enumerate(self.medium.on_faces(0))
+            parts = [0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in faces]
             self._cell_inertia = np.ascontiguousarray(sum(parts) / d)
         return self._cell_inertia
 
@@ -194,9 +200,10 @@ class Flow:
         return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)
 
     def grid_kinetic_energy(self) -> float:
-        inertia = self.medium.inertia if self.porous else [None] * self.grid.dimension
-        parts = zip(self.work.face_mass, inertia, self.velocity, strict=True)
-        return sum(_core.face_kinetic_energy(*part) for part in parts)
+        m = self.medium
+        parts = zip(self.work.face_mass, m.material, self.velocity, strict=True)
+        each = ((mass, number if self.porous else None, m.materials, u) for mass, number, u in parts)
+        return sum(_core.face_kinetic_energy(*part) for part in each)
 
     def potential_energy(self) -> float:
         d = self.grid.dimension

@@ -90,7 +90,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
         _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
     flow.extra = flow.old_velocity
     _core.viscous_acceleration(
-        core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.nu,
+        core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
         m.porosity if flow.porous else None, flow.no_slip, flow.extra,
     )  # fmt: skip
     parts = zip(flow.work.face_mass, flow.velocity, flow.extra, strict=True)
@@ -150,15 +150,12 @@ def drive(flow: Flow, dt: float) -> None:
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
-    resists = flow.porous or flow.damping
-    if resists:
-        flow.resisted = flow.resisted or flow.grid.faces()
-    resistance = (m.inertia, flow.linear, m.forchheimer, m.inverse_n2) if resists else ([], [], [], None)
+    resistance = (m.material, m.materials, flow.damping, m.inverse_n2) if flow.resists else ([], None, [], None)
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt
     _core.apply_forces(
         flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
-        flow.velocity, flow.drag, flow.work.mobility, flow.resisted,
+        flow.velocity, flow.drag, flow.mobility,
     )  # fmt: skip
     flow.extra = []
 
@@ -169,7 +166,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     work = flow.work
     system = (work.coefficient, work.dirichlet, work.rhs)
     _core.pressure_system(
-        core, flow.active, flow.depth, flow.open_faces, flow.work.mobility, flow.velocity, LEAST_DEPTH, *system
+        core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.velocity, LEAST_DEPTH, *system
     )
     for plane in flow.driven:
         plane.feed(flow)
@@ -185,7 +182,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
             "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
-        core, flow.active, flow.depth, flow.open_faces, flow.work.mobility, flow.pressure, LEAST_DEPTH,
+        core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.pressure, LEAST_DEPTH,
         flow.velocity, work.valid,
     )  # fmt: skip
     for plane in flow.driven:
@@ -197,20 +194,20 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
     """What drag and sponges took in this step, and what wave makers and open sides gave."""
-    inertia, old, new = flow.medium.inertia, flow.old_velocity, flow.velocity
-    if flow.porous or flow.damping:
-        parts = zip(flow.work.face_mass, inertia, flow.resisted, old, new, strict=True)
-        ledger.drag_work += sum(_core.face_drag_work(*part) for part in parts)
+    core, m, mass = flow.grid.core, flow.medium, flow.work.face_mass
+    change = (mass, flow.mobility, flow.old_velocity, flow.velocity)
+    if flow.porous:
+        ledger.drag_work += _core.drag_work(core, m.material, m.materials, [], *change)
     if flow.damping:
-        share = [k * s for k, s in zip(flow.work.mobility, flow.damping, strict=True)]
-        parts = zip(flow.work.face_mass, inertia, share, old, new, strict=True)
-        sponge = sum(_core.face_drag_work(*part) for part in parts)
-        ledger.sponge_work += sponge
-        ledger.drag_work -= sponge
+        without = m.materials * [1.0, 0.0, 0.0]  # of what the bodies resist
+        ledger.sponge_work += _core.drag_work(core, m.material, without, flow.damping, *change)
     for axis, where in flow.pushed.items():
-        fields = (flow.work.face_mass, inertia, flow.work.mobility, flow.push, old, new)
-        m, j, k, f, u0, u1 = (field[axis][where] for field in fields)
-        ledger.source_work += float(np.sum(m * j * k * f * (u0 + u1))) / 2
+        weight, f, u0, u1 = (field[axis][where] for field in (mass, flow.push, flow.old_velocity, flow.velocity))
+        if flow.resists:
+            share = flow.mobility[axis][where] * m.materials[m.material[axis][where], 0]
+        else:
+            share = np.array(dt)
+        ledger.source_work += float(np.sum(weight * share * f * (u0 + u1))) / 2
     for plane in flow.driven:
         if isinstance(plane, OpenSide):
             ledger.open_work += dt * plane.power(flow)
@@ -259,7 +256,7 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     porosity = m.porosity if flow.porous else None
     find_surface(flow)
     _core.pressure_system(
-        g.core, flow.active, flow.depth, flow.open_faces, [], [], LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
     largest = _core.density_excess(
@@ -271,11 +268,11 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     largest = float(max(work.rhs.max(), -work.rhs.min()))
     iterations = work.solver.solve(work.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
     ledger.note(correction_iterations=iterations)
-    displacement = work.mobility
+    displacement = work.face_mass
     for f in displacement:
         f[...] = 0.0
     _core.project(
-        g.core, flow.active, flow.depth, flow.open_faces, [], flow.psi, LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, flow.psi, LEAST_DEPTH_CORRECTION,
         displacement, work.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, node_distance, section
 from houle.grid import Faces, FloatArray, Grid
-from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
+from houle.moments import Measure, around_faces, covered_faces, over_cells
 
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
 
@@ -46,12 +46,11 @@ class Medium:
     open_cells     cells  open fraction of the volume, 0 where less than `CLOSED`
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed
-    inertia        faces  <C_r / n> over the one-cell box around the face (its inner half at a wall)
-    darcy          faces  <a> [1/s] over the same box         forchheimer    faces  <b> [1/m]
-    inverse_n2     cells  <1 / n^2>
-    tent_porosity  cells  mean of n * open with the weight prod_a max(0, 1 - |x_a - xc_a| / h_a), folded back at walls:
-                          so sum_p V_p tent(x_p - x_c) / (cell volume * tent_porosity) is 1 where all is full
-    body           int32  (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
+    material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water
+    materials      (K, 3) <C_r / n>, <a> [1/s] and <b> [1/m] over the one-cell box around a face (its inner half at a
+                          wall)
+    inverse_n2     cells  <1 / n^2>; None without bodies
+    body           int8   (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
                           water, -1 in a solid
     solid_distance nodes  signed distance [m] to the nearest solid, positive in the water; None without solids
     """
@@ -62,12 +61,10 @@ class Medium:
     porosity: FloatArray
     open_cells: FloatArray
     open_faces: Faces
-    inertia: Faces
-    darcy: Faces
-    forchheimer: Faces
-    inverse_n2: FloatArray
-    tent_porosity: FloatArray
-    body: NDArray[np.int32]
+    material: list[NDArray[np.int32]]
+    materials: FloatArray
+    inverse_n2: FloatArray | None
+    body: NDArray[np.int8]
     solid_distance: FloatArray | None
 
     @classmethod
@@ -79,12 +76,9 @@ class Medium:
         porosities = [b.porosity for b in bodies]
 
         cells = _Mean(solid, inside, [over_cells] * grid.dimension)
-        tent = _Mean(solid, inside, [with_tent] * grid.dimension)
-        boxes = [
-            _Mean(solid, inside, [around_faces if a == axis else over_cells for a in range(grid.dimension)])
-            for axis in range(grid.dimension)
-        ]
         open_cells = np.where(cells.open < CLOSED, 0.0, cells.open)
+        inverse_n2 = _extend(cells.of([n**-2 for n in porosities], 1.0), open_cells, grid.periodic) if bodies else None
+        material, materials = _list_materials(grid, bodies, solid, inside)
         return cls(
             grid=grid,
             bodies=tuple(bodies),
@@ -92,14 +86,16 @@ class Medium:
             porosity=_extend(cells.of(porosities, 1.0), open_cells, grid.periodic),
             open_cells=open_cells,
             open_faces=_open_faces(grid, open_cells, [(span, area) for span, area, _ in parts]),
-            inertia=[box.of([b.inertia / b.porosity for b in bodies], 1.0) for box in boxes],
-            darcy=[box.of([b.a for b in bodies], 0.0) for box in boxes],
-            forchheimer=[box.of([b.b for b in bodies], 0.0) for box in boxes],
-            inverse_n2=_extend(cells.of([n**-2 for n in porosities], 1.0), open_cells, grid.periodic),
-            tent_porosity=tent.of(porosities, 1.0) * tent.open,
+            material=material,
+            materials=materials,
+            inverse_n2=inverse_n2,
             body=_index_bodies(grid, parts),
             solid_distance=node_distance(grid, solids),
         )
+
+    def on_faces(self, column: int) -> Faces:
+        """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
+        return [self.materials[number, column] for number in self.material]
 
 
 Part = tuple[Span, shapely.Geometry, list[shapely.Geometry]]  # span of y, section of the solids, sections of the bodies
@@ -139,6 +135,36 @@ class _Mean:
         return clear + np.divide(extra, self.open, out=np.zeros_like(self.open), where=self.open > 0)
 
 
+def _list_materials(
+    grid: Grid, bodies: Sequence[PorousBody], solid: Measure, inside: Sequence[Measure]
+) -> tuple[list[NDArray[np.int32]], FloatArray]:
+    """`Medium.material` and `Medium.materials`."""
+    if not bodies:
+        return [np.zeros(grid.face_shape(a), np.int32) for a in range(grid.dimension)], np.array([[1.0, 0.0, 0.0]])
+    values = [
+        ([b.inertia / b.porosity for b in bodies], 1.0),
+        ([b.a for b in bodies], 0.0),
+        ([b.b for b in bodies], 0.0),
+    ]
+    numbers, table = [], np.empty((0, 3))
+    for axis in range(grid.dimension):
+        box = _Mean(solid, inside, [around_faces if a == axis else over_cells for a in range(grid.dimension)])
+        number, rows = _listed([box.of(*value) for value in values])
+        numbers.append(number + np.int32(len(table)))
+        table = np.concatenate([table, rows])
+    return numbers, table
+
+
+def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:
+    """The different tuples of values of some fields, as rows of a table, and the number of its row for each entry."""
+    flat = [f.ravel() for f in fields]
+    first = np.concatenate([[True], np.any([f[1:] != f[:-1] for f in flat], axis=0)])  # of a run of equal ones
+    start = np.flatnonzero(first)
+    table, number = np.unique(np.stack([f[start] for f in flat], axis=1), axis=0, return_inverse=True)
+    runs = np.diff(start, append=len(first))
+    return np.repeat(number.ravel().astype(np.int32), runs).reshape(fields[0].shape), table
+
+
 def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span, shapely.Geometry]]) -> Faces:
     """1 - covered fraction; 0 where that is tiny, or beside a closed cell."""
     faces = [1.0 - covered for covered in covered_faces(grid, solids)]
@@ -170,13 +196,13 @@ def _extend(values: FloatArray, open_cells: FloatArray, periodic: Sequence[bool]
     return np.where((open_cells == 0) & (weight > 0), total / np.where(weight > 0, weight, 1.0), values)
 
 
-def _index_bodies(grid: Grid, parts: Sequence[Part]) -> NDArray[np.int32]:
+def _index_bodies(grid: Grid, parts: Sequence[Part]) -> NDArray[np.int8]:
     """`Medium.body`."""
     lines = [(np.arange(2 * n) + 0.5) * h / 2 for n, h in zip(grid.shape, grid.spacing, strict=True)]
     x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")
-    index = np.zeros([len(line) for line in lines], np.int32)
+    index = np.zeros([len(line) for line in lines], np.int8)
     for span, solid, areas in parts:
-        plane = np.zeros(x.shape, np.int32)
+        plane = np.zeros(x.shape, np.int8)
         for value, area in [*enumerate(areas, 1), (-1, solid)]:
             if not area.is_empty:
                 plane[covers(area, x, z)] = value

@@ -32,7 +32,7 @@ EVERYWHERE: Nodes = (0, -1)
 class Conservative:
     """Volume, momentum and centre of volume conserved, body by body, up to the surface.
 
-    grid, and body: (2 nx, [2 ny,] 2 nz) int32, the porous body of each half cell (0 clear water, -1 solid); water
+    grid, and body: (2 nx, [2 ny,] 2 nz) int8, the porous body of each half cell (0 clear water, -1 solid); water
     changes hands only inside a body. Conserved to round-off in every body: sum V, sum V u_d and, but for a rare
     particle that would have left its body or the tank, sum V x, so the potential energy. The true momentum
     sum V u_d / n is conserved as far as n is the same for the particles of a body.
@@ -46,7 +46,7 @@ class Conservative:
     """
 
     grid: Grid
-    body: NDArray[np.int32]
+    body: NDArray[np.int8]
 
     def __call__(self, particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
@@ -87,7 +87,7 @@ def keep(particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE
 
 
 # name in the case file -> remesher for a grid and its bodies
-STRATEGIES: dict[str, Callable[[Grid, NDArray[np.int32]], Remesher]] = {
+STRATEGIES: dict[str, Callable[[Grid, NDArray[np.int8]], Remesher]] = {
     "conservative": Conservative,
     "paper": lambda grid, body: Paper(grid),
     "none": lambda grid, body: keep,

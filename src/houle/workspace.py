@@ -38,12 +38,12 @@ class Workspace:
 
     @cached_property
     def face_mass(self) -> Faces:
-        """Bulk volume that each face carries [m^d]; from the transfer to the grid to that back."""
+        """Bulk volume that each face carries [m^d]; in the position correction, the displacement [m]."""
         return self.grid.faces()
 
     @cached_property
     def mobility(self) -> Faces:
-        """Factor of grad p in the projection [s]; then the displacement of the position correction [m]."""
+        """`Flow.mobility`."""
         return self.grid.faces()
 
     @cached_property

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+import reference
 from houle.geometry import Box, Polygon, Shape
 from houle.grid import Grid
 from houle.particles import Particles, lattice
@@ -24,8 +25,9 @@ def corners(*points: tuple[float, float], dimension: int = 2) -> Polygon:
     return Polygon(shapely.Polygon(points), dimension)
 
 
-def fill_fraction(grid: Grid, particles: Particles, tent_porosity: np.ndarray) -> np.ndarray:
+def fill_fraction(grid: Grid, particles: Particles, medium: Medium) -> np.ndarray:
     """F_c = sum_p V_p tent(x_p - x_c) / (cell volume * tent_porosity_c): multilinear weights, folded or wrapped."""
+    tent_porosity = np.maximum(reference.tent_porosity(grid, medium.bodies, medium.solids), 1e-9)
     cells, weights = [], []
     for x, h, n, wrap in zip(particles.position.T, grid.spacing, grid.shape, grid.periodic, strict=True):
         left = np.floor(x / h - 0.5).astype(int)
@@ -134,7 +136,7 @@ def test_submerged_cells_are_full_across_porous_interfaces(body: Shape, limit: f
     """
     grid = Grid.fit((0.9, 0.48), spacing)
     medium = Medium.build(grid, [PorousBody("beads", body, BEADS)])
-    fill = fill_fraction(grid, seed(grid, medium, [below(0.4534)]), medium.tent_porosity)
+    fill = fill_fraction(grid, seed(grid, medium, [below(0.4534)]), medium)
     assert np.abs(fill[:, : int(0.4534 / spacing - 1.5)] - 1).max() < limit
 
 
@@ -142,7 +144,7 @@ def test_submerged_cells_are_full_in_3d_and_across_a_periodic_side():
     grid = Grid((9, 6, 8), (0.1, 0.1, 0.1), (True, False, False))
     block = PorousBody("block", Box((0.0, 0.0, 0.0), (0.43, 0.6, 0.51)), BEADS)
     medium = Medium.build(grid, [block])
-    fill = fill_fraction(grid, seed(grid, medium, [below(0.77, 3)]), medium.tent_porosity)
+    fill = fill_fraction(grid, seed(grid, medium, [below(0.77, 3)]), medium)
     assert np.abs(fill[:, :, :6] - 1).max() < 5e-3
     assert np.abs(fill[:, :, :4] - 1).max() < 1e-11  # below the top edges of the block: interfaces along axes only
 
@@ -153,7 +155,7 @@ def test_cells_cut_by_a_sloping_solid_are_full():
     particles = seed(grid, medium, [below(0.4534)])
     cells = tuple(np.floor(particles.position / grid.spacing).astype(int).T)
     assert np.all(medium.open_cells[cells] > 0)
-    fill = fill_fraction(grid, particles, np.maximum(medium.tent_porosity, 1e-9))
+    fill = fill_fraction(grid, particles, medium)
     wet = medium.open_cells[:, :43] > 0
     assert np.abs(fill[:, :43] - 1)[wet].max() < 0.02
 
@@ -163,7 +165,7 @@ def test_the_fill_of_the_cells_at_the_surface_gives_the_level_back():
     grid = Grid.fit((0.9, 0.5), 0.01)
     medium = Medium.build(grid, [PorousBody("beads", Box((0.3, 0.0), (0.6, 0.5)), BEADS)])
     for level, moved in ((0.4534, 0.0), (0.4571, 0.0), (0.4549, 0.0), (0.4557, SLIVER / 2)):
-        fill = fill_fraction(grid, seed(grid, medium, [below(level)]), medium.tent_porosity)
+        fill = fill_fraction(grid, seed(grid, medium, [below(level)]), medium)
         depth = level / 0.01 - 45.5
         exact = 1 - (1 - depth) ** 2 / 2 if depth > 0 else (1 + depth) ** 2 / 2
         assert fill[:, 45] == pytest.approx(exact, abs=max(moved**2, 1e-11))  # a sliver, seen from below the centre
