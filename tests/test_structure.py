@@ -21,7 +21,7 @@ LAYERS = (
     {"flow", "driven", "paddle", "absorption", "transfer", "ledger"},
     {"operations", "remeshing", "observe", "exchange"},
     {"step"},
-    {"agreement", "case", "layout", "wave_checks", "open_checks", "paddle_checks", "checks", "laboratory"},
+    {"agreement", "case", "ceiling", "layout", "wave_checks", "open_checks", "paddle_checks", "checks", "laboratory"},
     {"simulation"},
     {"output"},
     {"analysis"},

@@ -36,6 +36,10 @@ class Grid:
         shape = tuple(max(1, round(s / spacing)) for s in size)
         return cls(shape, tuple(s / n for s, n in zip(size, shape, strict=True)), periodic or (False,) * len(size))
 
+    def lowest(self, rows: int) -> Grid:
+        """Its lowest rows of cells."""
+        return Grid((*self.shape[:-1], rows), self.spacing, self.periodic)
+
     @property
     def dimension(self) -> int:
         return len(self.shape)

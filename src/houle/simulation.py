@@ -13,6 +13,7 @@ import numpy as np
 from houle import _core
 from houle.absorption import Drive
 from houle.case import Case
+from houle.ceiling import first_rows, more_rows, raised
 from houle.errors import SimulationError
 from houle.flow import Flow
 from houle.frame import Frame
@@ -41,40 +42,52 @@ from houle.waves.table import Piston, Waves
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
 
+GRID_STATE = ("pressure", "psi", "face_velocity")  # what state() has on cells and faces
+
 
 class Simulation:
-    """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation."""
+    """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation.
+
+    `grid` is that of the domain and of the results; the flow has its lowest rows (ceiling.py).
+    """
 
     def __init__(self, case: Case, threads: int | None = None) -> None:
         if threads:
             _core.set_threads(threads)
         self.case, self.grid = case, case.domain.grid
-        d, numerics = self.grid.dimension, case.numerics
+        self.time, self.steps = 0.0, 0
+        self.step_size = 0.0
+        self._build(first_rows(case))
+        self.ledger = Ledger(self.flow)
+        prepare(self.flow, self.step.transfer, self.ledger)
+
+    def _build(self, rows: int) -> None:
+        """The flow as the case describes it, on so many rows of cells, arranged, and what observes it."""
+        self.__dict__.pop("_room", None)
+        case, grid = self.case, self.grid.lowest(rows)
+        d, numerics = grid.dimension, case.numerics
         bodies = [_porous_body(b, d, case.fluid.viscosity) for b in case.porous]
-        self.medium = Medium.build(self.grid, bodies, [shape_of(s, d) for s in case.solid])
-        water = seed(self.grid, self.medium, [shape_of(w, d) for w in case.water])
+        self.medium = Medium.build(grid, bodies, [shape_of(s, d) for s in case.solid])
+        water = seed(grid, self.medium, [shape_of(w, d) for w in case.water])
         _set_off(case, water)
         self.flow = Flow(
-            self.grid, self.medium, water, gravity=case.acceleration,
+            grid, self.medium, water, gravity=case.acceleration,
             kernel=numerics.kernel, tolerance=numerics.tolerance,
             viscosity=case.fluid.viscosity, smagorinsky=case.fluid.smagorinsky,
             no_slip=case.domain.walls.no_slip(d),
         )  # fmt: skip
-        remesher = STRATEGIES[numerics.remesh](self.grid, self.medium.body)
+        remesher = STRATEGIES[numerics.remesh](grid, self.medium.body)
         transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
         travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
         remeshing = Remeshing(remesher, numerics.remesh_every, travel)
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
-        self.time, self.steps = 0.0, 0
-        self.step_size = 0.0
         self.wave = self._add_waves()
         self._add_absorbers()
         self.flow.sides = self._open_sides()
         self.flow.driven.extend(self.flow.sides)
         self._add_streams()
-        self.ledger = Ledger(self.flow)
         self._place_gates()
-        prepare(self.flow, transfer, self.ledger)
+        arrange(self.flow, transfer)
         self.observers = Observers(case, self.flow)
 
     @property
@@ -92,7 +105,7 @@ class Simulation:
 
     def _add_waves(self) -> Wave | None:
         """Wave maker and sponges of the case."""
-        case, flow, grid = self.case, self.flow, self.grid
+        case, flow, grid = self.case, self.flow, self.flow.grid
         rate, wave = grid.faces(), None
         speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
         if case.waves is not None:
@@ -116,7 +129,7 @@ class Simulation:
         case, sides = self.case, []
         for table in case.open:
             faces = self.medium.open_faces[0]
-            side = OpenSide.of(table, case.folder, self.grid, faces, case.fluid.gravity, self.particles)
+            side = OpenSide.of(table, case.folder, self.flow.grid, faces, case.fluid.gravity, self.particles)
             if case.waves is not None and case.waves.zone is not None and not side.far:
                 side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()
                 side.long_from = case.waves.zone.x[1] if case.waves.kind in ("series", "solitary") else 0.0
@@ -170,6 +183,7 @@ class Simulation:
 
     def advance(self, stop: float) -> None:
         """One time step, never past `stop` [s]; the last step to it is as long as those before."""
+        self._make_room()
         remaining = stop - self.time
         count = max(1, math.ceil(remaining / self._largest_step() - 1e-9))
         last, self.step_size = self.step_size, remaining / count
@@ -190,6 +204,13 @@ class Simulation:
             error.step, error.time = self.steps, self.time
             error.worst = error.worst or self._worst()
             raise
+
+    def _make_room(self) -> None:
+        """More rows of cells before the water comes near to the uppermost."""
+        more = more_rows(self.flow.fill, self.grid.shape[-1]) - self.flow.fill.shape[-1]
+        if more:
+            state = self.state()
+            self.restore({k: raised(v, more) if k.startswith(GRID_STATE) else v for k, v in state.items()})
 
     def _largest_step(self) -> float:
         """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold."""
@@ -217,7 +238,7 @@ class Simulation:
         for gate in gates:
             face = round(gate.x / h[0])
             bottom = max(0.0, (self.time - gate.start) * gate.speed)
-            free = np.clip(bottom / h[up] - np.arange(self.grid.shape[up]), 0.0, 1.0)
+            free = np.clip(bottom / h[up] - np.arange(flow.grid.shape[up]), 0.0, 1.0)
             across[face] *= np.where(free > 1e-3, free, 0.0)
             rows.append((face * h[0], bottom))
         flow.open_faces, flow.gates = [across, *self.medium.open_faces[1:]], np.array(rows)
@@ -315,7 +336,7 @@ class Simulation:
 
     @cached_property
     def _room(self) -> Room:
-        return Room.of(self.grid, self.medium)
+        return Room.of(self.flow.grid, self.medium)
 
     def frame(self) -> Frame:
         """Everything the writers and the pictures need of this instant, as copies."""
@@ -323,6 +344,8 @@ class Simulation:
         pressure, _ = at_points(flow, p.position)
         centre = [0.5 * (np.delete(u, 0, axis=a) + np.delete(u, -1, axis=a)) for a, u in enumerate(flow.velocity)]
         wet = flow.fill > 1e-3
+        dry = self.grid.shape[-1] - flow.grid.shape[-1]  # rows
+        velocity = [raised(np.where(wet, u, 0.0), dry) for u in centre]
         return Frame(
             time=self.time,
             step=self.steps,
@@ -331,10 +354,10 @@ class Simulation:
             volume=p.volume.copy(),
             porosity=flow.porosity.copy(),
             pressure=rho * pressure,
-            cell_pressure=rho * flow.pressure,
-            cell_fill=flow.fill.copy(),
-            cell_velocity=np.where(wet[..., None], np.stack(centre, axis=-1), 0.0),
-            cell_porosity=self.medium.porosity.copy(),
+            cell_pressure=raised(rho * flow.pressure, dry),
+            cell_fill=raised(flow.fill, dry),
+            cell_velocity=np.stack(velocity, axis=-1),
+            cell_porosity=raised(self.medium.porosity - 1.0, dry) + 1.0,
             eta=flow.eta.copy(),
         )
 
@@ -368,6 +391,11 @@ class Simulation:
 
     def restore(self, state: dict[str, FloatArray]) -> None:
         """Goes on from a state() of the same case, bitwise as if it had never stopped."""
+        rows = state["pressure"].shape[-1]
+        if rows != self.flow.grid.shape[-1]:
+            del self.flow, self.medium, self.step, self.observers, self.ledger.flow  # first, for the memory
+            self._build(rows)
+            self.ledger.flow = self.flow
         flow, ledger = self.flow, self.ledger
         self.time, self.steps = float(state["time"]), int(state["steps"])
         self.step_size = float(state["step_size"])
