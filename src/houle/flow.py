@@ -16,7 +16,7 @@ from houle.grid import Faces, FloatArray, Grid
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.remesh import EVERYWHERE
-from houle.seeding import seed
+from houle.seeding import seed_slabs
 from houle.sides import OpenSide
 from houle.viscosity import Smoothing
 from houle.waves.makers import Maker
@@ -121,12 +121,13 @@ class Flow:
         Summed over the particles of a flooded tank and not integrated: so the fill of water at rest is 1 to round-off
         across interfaces of any slope, where a sum over particles differs from the integral by 1e-3.
         """
-        flood = seed(self.grid, self.medium, [Box((0.0,) * self.grid.dimension, self.grid.size)])
-        order, cell = np.zeros(len(flood), np.int32), np.zeros(len(flood), np.int32)
         core, start = self.grid.core, np.zeros_like(self.start)
-        _core.cell_sort(core, flood.position, cell, order, start)
-        capacity = self.grid.cells()
-        _core.scatter_cells(core, start, flood.position[order], flood.volume[order], capacity)
+        capacity, part = self.grid.cells(), self.grid.cells()
+        for flood in seed_slabs(self.grid, self.medium, [Box((0.0,) * self.grid.dimension, self.grid.size)]):
+            order, cell = np.zeros(len(flood), np.int32), np.zeros(len(flood), np.int32)
+            _core.cell_sort(core, flood.position, cell, order, start)
+            _core.scatter_cells(core, start, flood.position[order], flood.volume[order], part)
+            capacity += part
         least = 1e-9 * self.grid.cell_volume
         np.divide(1.0, capacity, out=self.inverse_tent_volume, where=capacity > least)
 
@@ -145,10 +146,11 @@ class Flow:
         """Arrays for the present number of particles; what the work space has on the grid stays."""
         n = len(self.particles)
         self.work.resize(n)
-        self.porosity = np.ones(n)  # at the particles, (bi)linear from the cells: continuous across interfaces
+        clear = np.broadcast_to(1.0, n)
+        self.porosity = clear.copy() if self.porous else clear  # at the particles, (bi)linear from the cells
         self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
-        self.inertia: FloatArray | None = np.ones(n) if self.porous else None
+        self.inertia: FloatArray | None = clear.copy() if self.porous else None
 
     def drop_work(self) -> None:
         """Empties the work space."""

@@ -58,19 +58,23 @@ def _fill_below(amount: FloatArray) -> FloatArray:
     return total
 
 
-def section_moments(area: shapely.Geometry, spacing: Sequence[float], shape: tuple[int, int]) -> FloatArray:
-    """Moments (2, 2, *shape) of an area over the cells of a lattice, exact to round-off.
+def section_moments(
+    area: shapely.Geometry, spacing: Sequence[float], shape: tuple[int, int], between: tuple[int, int] | None = None
+) -> FloatArray:
+    """Moments (2, 2, *shape) of an area over the cells of a lattice, exact to round-off; or between two columns only.
 
     [a, b] is the integral of xi^a zeta^b over the part of the area in the cell, divided by the area of the cell;
     so [0, 0] is the covered fraction. The area must lie in the lattice, whose cells have this spacing (2,) [m].
     """
-    outline = edges(area, spacing)
-    moments = np.zeros((2, 2, *shape))
+    outline, (first, end) = edges(area, spacing), between or (0, shape[0])
+    moments = np.zeros((2, 2, end - first, shape[1]))
     if len(outline) == 0:
         return moments
     piece = np.concatenate([cut(edge) for edge in outline])
     cell = np.clip(np.floor(piece.mean(axis=1)).astype(int), 0, np.array(shape) - 1)
-    flat = np.ravel_multi_index((cell[:, 0], cell[:, 1]), shape)
+    inside = (cell[:, 0] >= first) & (cell[:, 0] < end)
+    piece, cell, shape = piece[inside], cell[inside], (end - first, shape[1])
+    flat = np.ravel_multi_index((cell[:, 0] - first, cell[:, 1]), shape)
     columns = np.zeros((2, *shape))
     for gauss in (0.5 - 0.5 / np.sqrt(3), 0.5 + 0.5 / np.sqrt(3)):  # exact for the cubic integrands below
         xi, zeta = (piece[:, 0] + gauss * (piece[:, 1] - piece[:, 0]) - cell - 0.5).T
@@ -115,13 +119,19 @@ def around_faces(zero: FloatArray, one: FloatArray, periodic: bool) -> FloatArra
 
 @dataclass(frozen=True)
 class Measure:
-    """Half-cell moments of a region: sum over layers of the section's (2, 2, 2 nx, 2 nz) times those in y (2, 2 ny)."""
+    """Half-cell moments of a region: sum over layers of the section's (2, 2, 2 nx, 2 nz) times those in y (2, 2 ny).
+
+    columns: which of the half cells along x, [first, end); None: all.
+    """
 
     grid: Grid
     layers: tuple[tuple[FloatArray, FloatArray | None], ...]
+    columns: tuple[int, int] | None = None
 
     @classmethod
-    def of(cls, grid: Grid, areas: Sequence[tuple[Span, shapely.Geometry]]) -> Measure:
+    def of(
+        cls, grid: Grid, areas: Sequence[tuple[Span, shapely.Geometry]], columns: tuple[int, int] | None = None
+    ) -> Measure:
         """From the sections (in the domain) and the spans of y over which they reach."""
         half = [h / 2 for h in grid.spacing]
         shape = (2 * grid.shape[0], 2 * grid.shape[-1])
@@ -129,16 +139,17 @@ class Measure:
             grid,
             tuple(
                 (
-                    section_moments(area, (half[0], half[-1]), shape),
+                    section_moments(area, (half[0], half[-1]), shape, columns),
                     span_moments(span, half[1], 2 * grid.shape[1]) if grid.dimension == 3 else None,
                 )
                 for span, area in areas
                 if not area.is_empty
             ),
+            columns,
         )
 
     def mean(self, averaging: Sequence[Averaging]) -> FloatArray:
-        """Average of the region's indicator, with one kind of averaging per axis: `over_cells`, `around_faces`, ..."""
+        """Average of the region's indicator, with one kind of averaging per axis; of all columns only."""
         wrap = self.grid.periodic
         total: FloatArray | None = None
         for moments, along in self.layers:
@@ -151,9 +162,9 @@ class Measure:
         return np.zeros(shape) if total is None else np.ascontiguousarray(total)
 
     def half_cells(self, powers: Sequence[int] | None = None) -> FloatArray:
-        """The moments themselves (2 nx, [2 ny,] 2 nz), of these powers (0 or 1) along the axes."""
-        p = powers or (0,) * self.grid.dimension
-        total = np.zeros([2 * n for n in self.grid.shape])
+        """The moments themselves (columns, [2 ny,] 2 nz), of these powers (0 or 1) along the axes."""
+        p, (first, end) = powers or (0,) * self.grid.dimension, self.columns or (0, 2 * self.grid.shape[0])
+        total = np.zeros([end - first, *(2 * n for n in self.grid.shape[1:])])
         for moments, along in self.layers:
             plane = moments[p[0], p[-1]]
             total += plane if along is None else plane[:, None, :] * along[p[1]][:, None]

@@ -225,7 +225,7 @@ def move_paddles(flow: Flow) -> None:
 
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
-    own = (flow.particles.velocity, flow.porosity) if flow.interpolated else (None, None)
+    own = (flow.particles.velocity, flow.porosity if flow.porous else None) if flow.interpolated else (None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.medium.porosity if flow.porous else None, *own,
         flow.medium.solid_distance, flow.gates, dt, flow.particles.position, flow.walls,

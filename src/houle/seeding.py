@@ -5,17 +5,21 @@ lies at the centroid of that water. So volume, mean level and centre of gravity 
 levels and interfaces lie. The tent function is linear along each axis of a half cell: the fill fraction of a submerged
 cell is 1 to round-off beside porous interfaces along the axes. Beside sloping ones and at corners the term in x z is
 left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid.
+
+Some columns of half cells at a time, so that the half cells need no more memory than the particles.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from houle.geometry import Shape, section
+from houle.geometry import Shape, Span, section
 from houle.grid import FloatArray, Grid
 from houle.moments import Measure
 from houle.particles import Particles
@@ -23,6 +27,10 @@ from houle.porous import Medium, partition
 
 SLIVER = 0.25  # of the pore volume of a half cell: less water joins the particle beside it
 NARROW = 0.1  # of a half cell: less pore volume than this counts as this much
+SLAB = 1 << 17  # half cells at a time, about
+BESIDE = 2  # columns beside a slab that decide what slivers give to it: a neighbour's neighbour
+
+Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume of these areas
 
 
 def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
@@ -32,26 +40,41 @@ def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
     it or at its corners, with its first moment; where there is none (a film thinner than that) it keeps it.
     Ordered as a raster, z fastest.
     """
-    volume, moment = _water(grid, medium, water)
-    _merge_slivers(volume, moment, _pores(grid, medium))
-    held = volume > 0
-    position = np.stack([m[held] / volume[held] for m in moment], axis=-1)
-    half = np.array(grid.spacing) / 2
-    return Particles(
-        position=position * half,
-        velocity=np.zeros_like(position),
-        volume=volume[held] * (grid.cell_volume / 2**grid.dimension),
-    )
+    found = list(seed_slabs(grid, medium, water))
+    return Particles(*(np.concatenate([getattr(p, n) for p in found]) for n in ("position", "velocity", "volume")))
 
 
-def _water(grid: Grid, medium: Medium, water: Sequence[Shape]) -> tuple[FloatArray, list[FloatArray]]:
-    """Water of each half cell and its first moments about the origin, in units of half cells."""
+def seed_slabs(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Iterator[Particles]:
+    """The particles of `seed`, slab by slab along x."""
+    regions, half = _regions(grid, medium, water), np.array(grid.spacing) / 2
+    count = 2 * grid.shape[0]
+    columns = max(8, SLAB // math.prod(2 * n for n in grid.shape[1:]))
+    for first in range(0, count, columns):
+        end = min(first + columns, count)
+        low, high = max(first - BESIDE, 0), min(end + BESIDE, count)
+        volume, moment = _water(grid, regions, (low, high))
+        _merge_slivers(volume, moment, _pores(medium, slice(low, high)))
+        own = slice(first - low, end - low)
+        held = volume[own] > 0
+        volume = volume[own][held]
+        position = np.stack([m[own][held] / volume for m in moment], axis=-1)
+        yield Particles(position * half, np.zeros_like(position), volume * (grid.cell_volume / 2**grid.dimension))
+
+
+def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]:
+    """All the water as if in clear space, and what the porous bodies take from it."""
     parts = partition(grid, medium.bodies, medium.solids, also=water)
     wet = [section(grid, water, span) for span, _, _ in parts]
-    share = [(1.0, Measure.of(grid, [(s, w.difference(solid)) for (s, solid, _), w in zip(parts, wet, strict=True)]))]
+    regions = [(1.0, [(s, w.difference(solid)) for (s, solid, _), w in zip(parts, wet, strict=True)])]
     for k, body in enumerate(medium.bodies):
         inside = [(s, w.intersection(areas[k])) for (s, _, areas), w in zip(parts, wet, strict=True)]
-        share.append((body.porosity - 1.0, Measure.of(grid, inside)))
+        regions.append((body.porosity - 1.0, inside))
+    return regions
+
+
+def _water(grid: Grid, regions: Sequence[Region], columns: tuple[int, int]) -> tuple[FloatArray, list[FloatArray]]:
+    """Water of each half cell of these columns and its first moments about the origin, in units of half cells."""
+    share = [(weight, Measure.of(grid, areas, columns)) for weight, areas in regions]
 
     def total(powers: tuple[int, ...]) -> FloatArray:
         return sum(weight * measure.half_cells(powers) for weight, measure in share)  # type: ignore[return-value]
@@ -60,17 +83,18 @@ def _water(grid: Grid, medium: Medium, water: Sequence[Shape]) -> tuple[FloatArr
     volume[volume < 1e-12] = 0.0
     moments = []
     for axis, n in enumerate(volume.shape):
-        centre = (np.arange(n) + 0.5).reshape([-1 if a == axis else 1 for a in range(grid.dimension)])
+        lattice = np.arange(n) + (columns[0] if axis == 0 else 0)
+        centre = (lattice + 0.5).reshape([-1 if a == axis else 1 for a in range(grid.dimension)])
         moments.append(total(tuple(int(a == axis) for a in range(grid.dimension))) + volume * centre)
     return volume, moments
 
 
-def _pores(grid: Grid, medium: Medium) -> FloatArray:
-    """Pore volume of each half cell, in units of half cells."""
+def _pores(medium: Medium, columns: slice) -> FloatArray:
+    """Pore volume of each half cell of these columns, in units of half cells."""
     everywhere = np.full(len(medium.bodies) + 2, 1.0)
     everywhere[1:-1] = [body.porosity for body in medium.bodies]
     everywhere[-1] = 0.0
-    return everywhere[medium.body]
+    return everywhere[medium.body[columns]]
 
 
 def _merge_slivers(volume: FloatArray, moment: list[FloatArray], pores: FloatArray) -> None:

@@ -170,3 +170,19 @@ def test_the_fill_of_the_cells_at_the_surface_gives_the_level_back():
         exact = 1 - (1 - depth) ** 2 / 2 if depth > 0 else (1 + depth) ** 2 / 2
         assert fill[:, 45] == pytest.approx(exact, abs=max(moved**2, 1e-11))  # a sliver, seen from below the centre
         assert np.ptp(fill[:, 45]) < 1e-11
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_slabs_make_no_difference(dimension: int, monkeypatch: pytest.MonkeyPatch):
+    """Whole or eight columns of half cells at a time, slivers at their ends included: the same to the last bit."""
+    grid = Grid((23, 11) if dimension == 2 else (23, 5, 11), (0.1,) * dimension, (False,) * dimension)
+    slope = corners((0.0, 0.0), (2.3, 0.0), (2.3, 0.93), dimension=dimension)
+    solid = corners((0.4, 0.0), (1.0, 0.0), (0.7, 0.6), dimension=dimension)
+    medium = Medium.build(grid, [PorousBody("beads", slope, BEADS)], [solid])
+    water = [corners((0.0, 0.2), (2.3, 0.67), (2.3, 1.02), (0.0, 0.21), dimension=dimension)]
+    found = []
+    for size in (10**9, 1):
+        monkeypatch.setattr("houle.seeding.SLAB", size)
+        found.append(seed(grid, medium, water))
+    whole, slabs = found
+    assert np.array_equal(whole.position, slabs.position) and np.array_equal(whole.volume, slabs.volume)
