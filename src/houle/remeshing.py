@@ -37,10 +37,11 @@ class Remeshing:
         for way in self.travelled:
             way[...] = 0.0
         flow.sample_medium()
+        porosity = np.ascontiguousarray(flow.porosity)  # in clear water it is one number
         flow.drop_work()
         for paddle in flow.paddles:
             paddle.to_lattice(flow.particles)
-        flow.particles = self.remesher(flow.particles, flow.porosity, flow.nodes)
+        flow.particles = self.remesher(flow.particles, porosity, flow.nodes)
         for paddle in flow.paddles:
             paddle.from_lattice(flow.particles)
         flow.refresh_particles()
