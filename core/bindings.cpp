@@ -3,6 +3,10 @@
 
 #include "bind.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace houle {
 
 template <int D>
@@ -19,6 +23,13 @@ static void bind_grid(nb::module_& m, const char* name) {
       .def_ro("shape", &Grid<D>::shape)
       .def_ro("spacing", &Grid<D>::h)
       .def_ro("periodic", &Grid<D>::periodic);
+}
+
+// Hands memory that was freed back to the system, where the C library keeps it otherwise.
+static void return_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 // How this module was built, for the manifest of a run. HOULE_FLAGS comes from CMake.
@@ -47,6 +58,7 @@ NB_MODULE(_core, m) {
   bind_grid<3>(m, "Grid3");
   m.def("set_threads", &set_threads, "threads"_a);
   m.def("get_threads", &get_threads);
+  m.def("return_memory", &return_memory, "Hands freed memory back to the system.");
   m.def("build_info", &build_info, "Compiler, its flags, threads in use.");
   bind_poisson(m);
   bind_transfer(m);

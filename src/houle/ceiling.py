@@ -19,6 +19,9 @@ from houle.grid import FloatArray
 HEADROOM = 8  # rows that stay dry: a step looks 6 of them above the water, and the water rises by less than one
 MARGIN = 12  # rows above what the case places, when the run starts
 GROWTH = 1.2  # of the number of rows, when there are too few
+PROGRAM = 6e7  # bytes of memory: Python, its libraries
+PER_PARTICLE = 68  # bytes, measured as `houle bench --large` does
+PER_CELL = {2: 360, 3: 430}  # bytes of a cell in the rows that are kept, by dimension
 
 
 def first_rows(case: Case) -> int:
@@ -31,6 +34,12 @@ def first_rows(case: Case) -> int:
     highest = max([0.0, *shapes, *observed])
     rows = math.ceil(min(highest, grid.size[-1]) / grid.spacing[-1]) + MARGIN
     return min(rows, grid.shape[-1])
+
+
+def memory(case: Case, particles: float, rows: int) -> float:
+    """[bytes] of a run with so many particles that keeps so many rows of cells."""
+    columns = math.prod(case.domain.grid.shape[:-1])
+    return PROGRAM + PER_PARTICLE * particles + PER_CELL[case.dimension] * columns * rows
 
 
 def more_rows(fill: FloatArray, most: int) -> int:

@@ -84,5 +84,7 @@ def _price(case: Case, threads: int) -> str:
     minutes = f"{p.minutes:.0f} min" if p.minutes >= 1.5 else f"{60 * p.minutes:.0f} s"
     work = f"{p.particles} particles, {p.steps} steps of {1000 * p.step:.2g} ms"
     on = f"{minutes} on {threads} thread{'s' if threads > 1 else ''}"
-    space = f"{p.memory / 1e6:.0f} MB of memory, {p.disk / 1e6:.0f} MB of results"
+    least, most = p.memory / 1e6, p.most_memory / 1e6
+    grows = f" (up to {most:.0f} MB if water gets to the top)" if most > 1.05 * least else ""
+    space = f"{least:.0f} MB of memory{grows}, {p.disk / 1e6:.0f} MB of results"
     return f"Cost, a guess within a factor of 3: {work}, {on}, {space}"

@@ -18,6 +18,7 @@ import shapely
 
 from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
+from houle.ceiling import memory
 from houle.errors import CaseError
 from houle.layout import Finding, Section, axes
 from houle.open_checks import open_sides_fit
@@ -26,7 +27,6 @@ from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
 ENOUGH = 4.0  # below is a warning
-BYTES = 250  # of memory per particle, its share of the grid included
 
 
 def check(case: Case) -> list[Finding]:
@@ -287,7 +287,7 @@ def materials(s: Section) -> Iterator[Finding]:
 
 def memory_suffices(s: Section) -> Iterator[Finding]:
     """The particles fit into this machine, as far as one can tell before."""
-    needed, there = BYTES * s.particles(), machine_memory()
+    needed, there = memory(s.case, s.particles(), s.grid.shape[-1]), machine_memory()
     if there is not None and needed > 0.8 * there:
         h = s.case.domain.spacing
         better = h * (needed / (0.5 * there)) ** (1 / s.case.dimension)

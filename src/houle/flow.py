@@ -153,8 +153,9 @@ class Flow:
         self.inertia: FloatArray | None = clear.copy() if self.porous else None
 
     def drop_work(self) -> None:
-        """Empties the work space."""
+        """Empties the work space and gives its memory back."""
         self.work = Workspace(self.grid, len(self.particles))
+        _core.return_memory()
 
     def sample_medium(self) -> None:
         """Porosity, bulk volume and inertia at the present positions."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from houle import _core
 from houle.errors import SimulationError
@@ -26,19 +25,15 @@ def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray,
     p, work = flow.particles, flow.work
     cell = work.spare.ravel().view(np.int32)[: len(p)]  # only until the rows are moved
     _core.cell_sort(flow.grid.core, p.position, cell, work.order, flow.start)
-    p.position, work.spare = _permuted(work.order, p.position, work.spare)
-    p.velocity, work.spare = _permuted(work.order, p.velocity, work.spare)
-    p.volume, flow.bulk = _permuted(work.order, p.volume, flow.bulk)
+    for rows in (p.position, p.velocity):
+        _core.permute(work.order, rows, work.spare)
+        rows[...] = work.spare
+    _core.permute(work.order, p.volume, flow.bulk)  # which is taken anew below
+    p.volume, flow.bulk = flow.bulk, p.volume
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[work.order]
     flow.sample_medium()
     return tuple(values[work.order] for values in more)
-
-
-def _permuted(order: NDArray[np.int32], values: FloatArray, spare: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The values in that order, in the spare array; and their old array, to spare from now on."""
-    _core.permute(order, values, spare)
-    return spare, values
 
 
 def arrange(flow: Flow, transfer: Transfer) -> None:

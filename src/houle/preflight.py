@@ -12,7 +12,8 @@ import numpy as np
 import shapely
 
 from houle.case import Case
-from houle.checks import BYTES, expected_speed
+from houle.ceiling import first_rows, memory
+from houle.checks import expected_speed
 from houle.layout import Body, Section
 from houle.paddle_checks import moving_walls
 from houle.resistance import Passport, passport
@@ -33,7 +34,8 @@ class Price:
     step: float  # [s]
     steps: int
     minutes: float  # on the threads asked for
-    memory: float  # [bytes]
+    memory: float  # [bytes] at the start
+    most_memory: float  # [bytes] when water has been everywhere
     disk: float  # [bytes]
 
 
@@ -76,7 +78,8 @@ def price(case: Case, threads: int = 1) -> Price:
         step=step,
         steps=steps,
         minutes=particles * steps * MICROSECONDS * 1e-6 / 60 / threads**0.75,
-        memory=60e6 + BYTES * particles,
+        memory=memory(case, particles, first_rows(case)),
+        most_memory=memory(case, particles, g.shape[-1]),
         disk=0.6 * frames * per_frame + rows,
     )
 

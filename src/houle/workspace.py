@@ -6,6 +6,7 @@ its own, drops them all, and the next step makes them anew.
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
@@ -21,9 +22,9 @@ class Workspace:
         self.grid, self.particles = grid, particles
 
     def resize(self, particles: int) -> None:
-        """For another number of particles."""
+        """For another number of particles: what is on the grid only stays."""
         self.particles = particles
-        for name in ("order", "spare"):
+        for name in ("order", "_store", "spare", "_system"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -32,34 +33,51 @@ class Workspace:
         return np.zeros(self.particles, np.int32)
 
     @cached_property
-    def spare(self) -> FloatArray:
-        """(N, d), where the rows of an array go when they are sorted."""
-        return np.empty((self.particles, self.grid.dimension))
+    def _store(self) -> FloatArray:
+        """One place for what is wanted while particles are sorted and for what is wanted while there is a pressure."""
+        grid = self.grid
+        on_grid = 2 * (math.prod(grid.shape) + sum(math.prod(grid.face_shape(a)) for a in range(grid.dimension)))
+        return np.zeros(max(on_grid, self.particles * grid.dimension))
+
+    def _stored(self, *shapes: tuple[int, ...]) -> list[FloatArray]:
+        """Arrays of these shapes, one after the other in the store."""
+        ends = np.cumsum([0, *map(math.prod, shapes)])
+        return [self._store[i:j].reshape(shape) for i, j, shape in zip(ends, ends[1:], shapes, strict=False)]
 
     @cached_property
+    def spare(self) -> FloatArray:
+        """(N, d), where the rows of an array go when they are sorted. Sorting overwrites the four below."""
+        return self._stored((self.particles, self.grid.dimension))[0]
+
+    @cached_property
+    def _system(self) -> list[FloatArray]:
+        faces = [self.grid.face_shape(a) for a in range(self.grid.dimension)]
+        return self._stored(*faces, *faces, self.grid.shape, self.grid.shape)
+
+    @property
     def face_mass(self) -> Faces:
         """Bulk volume that each face carries [m^d]; in the position correction, the displacement [m]."""
-        return self.grid.faces()
+        return self._system[: self.grid.dimension]
+
+    @property
+    def coefficient(self) -> Faces:
+        """Of a pressure system; the solver copies it."""
+        return self._system[self.grid.dimension : -2]
+
+    @property
+    def dirichlet(self) -> FloatArray:
+        """Of the cells beside air in a pressure system."""
+        return self._system[-2]
+
+    @property
+    def rhs(self) -> FloatArray:
+        """Of a pressure system."""
+        return self._system[-1]
 
     @cached_property
     def mobility(self) -> Faces:
         """`Flow.mobility`."""
         return self.grid.faces()
-
-    @cached_property
-    def coefficient(self) -> Faces:
-        """Of a pressure system; the solver copies it."""
-        return self.grid.faces()
-
-    @cached_property
-    def dirichlet(self) -> FloatArray:
-        """Of the cells beside air in a pressure system."""
-        return self.grid.cells()
-
-    @cached_property
-    def rhs(self) -> FloatArray:
-        """Of a pressure system."""
-        return self.grid.cells()
 
     @cached_property
     def valid(self) -> list[np.ndarray]:
