@@ -198,10 +198,8 @@ def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
         ledger.sponge_work += _core.drag_work(core, m.material, without, flow.damping, *change)
     for axis, where in flow.pushed.items():
         weight, f, u0, u1 = (field[axis][where] for field in (mass, flow.push, flow.old_velocity, flow.velocity))
-        if flow.resists:
-            share = flow.mobility[axis][where] * m.materials[m.material[axis][where], 0]
-        else:
-            share = np.array(dt)
+        inertia = m.materials[m.material[axis][where], 0]
+        share = inertia * flow.mobility[axis][where] if flow.resists else dt
         ledger.source_work += float(np.sum(weight * share * f * (u0 + u1))) / 2
     for plane in flow.driven:
         if isinstance(plane, OpenSide):
