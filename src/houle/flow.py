@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.columns import Capacity
@@ -169,12 +170,13 @@ class Flow:
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 
     @cached_property
-    def face_porosity(self) -> Faces:
-        """Mean of the cells on both sides of each face; the first and the last along an axis as their cell."""
+    def face_porosity(self) -> list[NDArray[np.float32]]:
+        """Mean of the cells on both sides of each face, float32; the first and the last along an axis as their cell."""
         found = []
         for a in range(self.grid.dimension):
             n = np.pad(self.medium.porosity, [(int(b == a),) * 2 for b in range(self.grid.dimension)], mode="edge")
-            found.append(0.5 * (np.delete(n, 0, axis=a) + np.delete(n, -1, axis=a)))
+            mean = 0.5 * (np.delete(n, 0, axis=a) + np.delete(n, -1, axis=a)).astype(np.float32)
+            found.append(mean if self.porous else np.broadcast_to(np.float32(1.0), mean.shape))
         return found
 
     @property

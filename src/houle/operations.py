@@ -261,7 +261,7 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     largest = float(max(work.rhs.max(), -work.rhs.min()))
     iterations = work.solver.solve(work.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
     ledger.note(correction_iterations=iterations)
-    displacement = work.face_mass
+    displacement = work.coefficient
     for f in displacement:
         f[...] = 0.0
     _core.project(

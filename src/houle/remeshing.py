@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.flow import SPRAY, Flow
-from houle.grid import Faces
 from houle.remesh import Remesher
 from houle.transfer import Transfer
 
@@ -15,20 +15,20 @@ TRAVEL = 2.0  # cells that water must have come away from where it was for remes
 class Remeshing:
     """Calls a remesher every `every` steps, once water has moved on by `travel` cells. `count`: steps since the last.
 
-    travelled: integral of the pore velocity on the faces since then [m]. What counts is how far water is from where it
-    was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro and leave
-    them in order, and every remeshing at a porous face stirs the surface there (docs/decisions/0009).
+    travelled: integral of the pore velocity on the faces since then [m], float32. What counts is how far water is from
+    where it was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro
+    and leave them in order, and every remeshing at a porous face stirs the surface there (docs/decisions/0009).
     """
 
     def __init__(self, remesher: Remesher, every: int, travel: float = TRAVEL) -> None:
         self.remesher, self.every, self.travel = remesher, every, travel
         self.count = 0
-        self.travelled: Faces = []
+        self.travelled: list[NDArray[np.float32]] = []
 
     def after_step(self, flow: Flow, transfer: Transfer, dt: float) -> None:
         """dt: how long the particles have moved with the velocity of the grid [s]."""
         self.count += 1
-        self.travelled = self.travelled or flow.grid.faces()
+        self.travelled = self.travelled or [np.zeros(u.shape, np.float32) for u in flow.velocity]
         for way, u in zip(self.travelled, flow.velocity, strict=True):
             way += dt * u
         if self.count < self.every or self._farthest(flow) < self.travel:

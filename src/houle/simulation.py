@@ -42,7 +42,7 @@ from houle.waves.table import Piston, Waves
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
 
-GRID_STATE = ("pressure", "psi", "face_velocity")  # what state() has on cells and faces
+GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled")  # what state() has on cells and faces
 
 
 class Simulation:

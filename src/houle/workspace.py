@@ -36,7 +36,7 @@ class Workspace:
     def _store(self) -> FloatArray:
         """One place for what is wanted while particles are sorted and for what is wanted while there is a pressure."""
         grid = self.grid
-        on_grid = 2 * (math.prod(grid.shape) + sum(math.prod(grid.face_shape(a)) for a in range(grid.dimension)))
+        on_grid = 2 * math.prod(grid.shape) + sum(math.prod(grid.face_shape(a)) for a in range(grid.dimension))
         return np.zeros(max(on_grid, self.particles * grid.dimension))
 
     def _stored(self, *shapes: tuple[int, ...]) -> list[FloatArray]:
@@ -46,23 +46,18 @@ class Workspace:
 
     @cached_property
     def spare(self) -> FloatArray:
-        """(N, d), where the rows of an array go when they are sorted. Sorting overwrites the four below."""
+        """(N, d), where the rows of an array go when they are sorted. Sorting overwrites the three below."""
         return self._stored((self.particles, self.grid.dimension))[0]
 
     @cached_property
     def _system(self) -> list[FloatArray]:
         faces = [self.grid.face_shape(a) for a in range(self.grid.dimension)]
-        return self._stored(*faces, *faces, self.grid.shape, self.grid.shape)
-
-    @property
-    def face_mass(self) -> Faces:
-        """Bulk volume that each face carries [m^d]; in the position correction, the displacement [m]."""
-        return self._system[: self.grid.dimension]
+        return self._stored(*faces, self.grid.shape, self.grid.shape)
 
     @property
     def coefficient(self) -> Faces:
-        """Of a pressure system; the solver copies it."""
-        return self._system[self.grid.dimension : -2]
+        """Of a pressure system; the solver copies it. After that, the displacement of the position correction [m]."""
+        return self._system[:-2]
 
     @property
     def dirichlet(self) -> FloatArray:
@@ -73,6 +68,11 @@ class Workspace:
     def rhs(self) -> FloatArray:
         """Of a pressure system."""
         return self._system[-1]
+
+    @cached_property
+    def face_mass(self) -> Faces:
+        """Bulk volume that each face carries [m^d]."""
+        return self.grid.faces()
 
     @cached_property
     def mobility(self) -> Faces:
