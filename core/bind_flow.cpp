@@ -315,15 +315,6 @@ static void bind_sums(nb::module_& m) {
         nb::gil_scoped_release release;
         return face_power(n, mass.data(), u.data(), acceleration.data());
       },
-      "mass"_a, "u"_a, "acceleration"_a, "Power of accelerations of the faces of one axis, per unit density.");
-  m.def(
-      "face_power",
-      [](Field mass, Field u, Field acceleration) {
-        const index n = static_cast<index>(mass.size());
-        for (const Field* f : {&u, &acceleration}) require_size(f->size(), n, "face field");
-        nb::gil_scoped_release release;
-        return face_power(n, mass.data(), u.data(), acceleration.data());
-      },
       "mass"_a, "u"_a, "acceleration"_a, "Power of the accelerations on the faces of one axis per unit density.");
   m.def(
       "all_finite",

@@ -35,11 +35,6 @@ inline double face_kinetic_energy(index n, const double* mass, const std::int32_
                      [=](index f) { return 0.5 * mass[f] * (number ? table[number[f]].inertia : 1.0) * u[f] * u[f]; });
 }
 
-// sum_f m_f u_f a_f over the faces of one axis: the power of accelerations
-inline double face_power(index n, const double* mass, const double* u, const double* acceleration) {
-  return sum_by_four(n, [=](index f) { return mass[f] * u[f] * acceleration[f]; });
-}
-
 // sum_f m_f u_f f_f over the faces of one axis: the rate of work of the accelerations f
 inline double face_power(index n, const double* mass, const double* u, const double* acceleration) {
   return sum_by_four(n, [=](index f) { return mass[f] * u[f] * acceleration[f]; });
