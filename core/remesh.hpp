@@ -351,8 +351,8 @@ inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const s
 // Conserves, in every class, sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
 // place(). first, last: nodes along the first axis between which the water is; walls stand at both ends.
 template <int D>
-inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int8_t* class_of,
-                                             const ParticleView<D>& p, index first, index last) {
+inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int8_t* class_of, const ParticleView<D>& p,
+                                             index first, index last) {
   const Lattice<D> l(grid, first, last);
   const Slabs<D> slabs(l, p.n, p.x);
   const Receivers<D> receivers(l, node_fill(l, slabs, p), class_of, remesh::receive);
