@@ -191,11 +191,11 @@ def fill_of_depth(d):
     return 0.5 * (1.0 + max(d, -1.0)) ** 2
 
 
-def column_heights(grid, position, bulk):
-    """[m] sum_p (V/n)_p B(x_p - x_c) / plan area, quadratic B-spline across, walls folded."""
+def column_heights(grid, position, volume):
+    """[m] sum_p V_p B(x_p - x_c) / plan area, quadratic B-spline across, walls folded."""
     height = np.zeros(grid.shape[:-1])
     area = grid.cell_volume / grid.spacing[-1]
-    for x, v in zip(position, bulk, strict=True):
+    for x, v in zip(position, volume, strict=True):
         lines = []
         for a in range(grid.dimension - 1):
             s = x[a] / grid.spacing[a] - 0.5

@@ -56,9 +56,10 @@ class Flow:
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.porous = bool(np.any(medium.porosity < 1.0))
+        self.column_porosity = medium.porosity.min(axis=-1)  # of columns that hold one porosity
 
         g = grid
-        self.inverse_tent_volume = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
+        self.inverse_capacity = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
         self.fill = g.cells()  # water volume / pore volume, tent-smoothed
         self.depth = g.cells()  # of the cell centre below the free surface [cells]
         self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
@@ -120,7 +121,7 @@ class Flow:
         capacity = self.grid.cells()
         _core.scatter_cells(core, start, flood.position[order], flood.volume[order], capacity)
         least = 1e-9 * self.grid.cell_volume
-        np.divide(1.0, capacity, out=self.inverse_tent_volume, where=capacity > least)
+        np.divide(1.0, capacity, out=self.inverse_capacity, where=capacity > least)
 
     def damp(self, rate: Faces) -> None:
         """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
@@ -151,7 +152,7 @@ class Flow:
         """Porosity, bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            cells = (self.medium.porosity, self.cell_inertia)
+            cells = (self.medium.particle_porosity, self.cell_inertia)
             _core.sample_medium(core, p.position, p.volume, *cells, self.porosity, self.bulk, self.inertia)
         else:
             self.bulk[...] = p.volume
