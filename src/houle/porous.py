@@ -52,7 +52,7 @@ class Medium:
     darcy          faces  <a> [1/s] over the same box         forchheimer    faces  <b> [1/m]
     inverse_n2     cells  <1 / n^2>
     particle_porosity  cells  n at the cell centres, between which that of the particles is linear: such that water
-                          which fills it fills the tents as it does the pores of the structure (decision 0009)
+                          which fills it fills the tents as it does the pores of the structure (decision 0010)
     tent_porosity  cells  mean of n * open with the weight prod_a max(0, 1 - |x_a - xc_a| / h_a), folded back at walls:
                           so sum_p V_p tent(x_p - x_c) / (cell volume * tent_porosity) is 1 where all is full
     body           int32  (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
