@@ -33,8 +33,8 @@ def counted(sim):
 
 
 def test_to_and_fro_is_not_away():
-    """Orbits of 0.3 cells go a long way in 3 s and leave nothing to do; those of 3 cells do not."""
-    low, high = simulation(sloshing(0.0025, 0.9)), simulation(sloshing(0.025, 0.9))
+    """Orbits of 0.2 cells go a long way in 3 s and leave nothing to do; those of 3 cells do not."""
+    low, high = simulation(sloshing(0.0015, 0.9)), simulation(sloshing(0.025, 0.9))
     never, often = counted(low), counted(high)
     run(low, 10_000, until=3.0)
     run(high, 10_000, until=1.0)
