@@ -24,9 +24,9 @@ def counted(sim):
     """Steps [s] at which the particles were made anew."""
     times, remesher = [], sim.step.remeshing.remesher
 
-    def count(particles, porosity):
+    def count(particles, porosity, *between):
         times.append(sim.time)
-        return remesher(particles, porosity)
+        return remesher(particles, porosity, *between)
 
     sim.step.remeshing.remesher = count
     return times
