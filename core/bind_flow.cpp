@@ -68,30 +68,32 @@ static void bind(nb::module_& m) {
   using G = const Grid<D>&;
   m.def(
       "column_heights",
-      [](G g, Array<std::int64_t> start, Field x, Field bulk, Field height, OptionalField paddles) {
+      [](G g, Array<std::int64_t> start, Field x, Field volume, Field height, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
-        require_size(bulk.size(), n, "bulk");
+        require_size(volume.size(), n, "volume");
         require_start(g, start, n);
         require_columns(g, height.size(), "height");
         nb::gil_scoped_release release;
-        column_heights<D>(g, start.data(), x.data(), bulk.data(), paddles_of(paddles), height.data());
+        column_heights<D>(g, start.data(), x.data(), volume.data(), paddles_of(paddles), height.data());
       },
-      "grid"_a, "start"_a, "position"_a, "bulk"_a, "height"_a, "paddles"_a = nb::none(),
+      "grid"_a, "start"_a, "position"_a, "volume"_a, "height"_a, "paddles"_a = nb::none(),
       "Height of the water in each column of cells [m].");
   m.def(
       "column_levels",
-      [](G g, Field tent_volume, Array<std::int64_t> column, Array<std::int64_t> start, Field pieces, Field level) {
+      [](G g, Field fill, Field inverse_capacity, Array<std::int64_t> column, Array<std::int64_t> start, Field pieces,
+         Field level) {
         static_assert(sizeof(CapacityPiece) == 5 * sizeof(double));
         const index count = static_cast<index>(column.size());
-        require_cells(g, tent_volume.size(), "tent volume");
+        require_cells(g, fill.size(), "fill");
+        require_cells(g, inverse_capacity.size(), "inverse capacity");
         require_size(start.size(), count + 1, "start");
         require_size(pieces.size(), 5 * start.data()[count], "pieces");
         require_columns(g, level.size(), "level");
         nb::gil_scoped_release release;
-        column_levels<D>(g, tent_volume.data(), count, column.data(), start.data(),
+        column_levels<D>(g, fill.data(), inverse_capacity.data(), count, column.data(), start.data(),
                          reinterpret_cast<const CapacityPiece*>(pieces.data()), level.data());
       },
-      "grid"_a, "tent_volume"_a, "column"_a, "start"_a, "pieces"_a, "level"_a,
+      "grid"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "start"_a, "pieces"_a, "level"_a,
       "Level to which their water fills the pores of the listed columns [m].");
   m.def(
       "find_surface",

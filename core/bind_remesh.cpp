@@ -33,21 +33,21 @@ template <int D>
 static void bind(nb::module_& m) {
   m.def(
       "remesh_conservative",
-      [](const Grid<D>& g, Array<std::int8_t> body, Array<double> x, Array<double> u, Array<double> volume,
+      [](const Grid<D>& g, Array<double> pores, Array<double> x, Array<double> u, Array<double> volume,
          Array<double> porosity, index first, index last) {
         const auto p = particles_of<D>(x, u, volume, porosity);
-        require_size(body.size(), g.cells() << D, "body");
+        require_size(pores.size(), g.cells() << D, "pores");
         if (last < 0) last = 2 * g.shape[0];
         if (first < 0 || first >= last || last > 2 * g.shape[0]) throw std::invalid_argument("no nodes between walls");
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, body.data(), p, first, last);
+          out = remesh_conservative<D>(g, pores.data(), p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },
-      "grid"_a, "body"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a, "first"_a = 0, "last"_a = -1,
-      "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved in each body.");
+      "grid"_a, "pores"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a, "first"_a = 0, "last"_a = -1,
+      "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
   m.def(
       "remesh_paper",
       [](const Grid<D>& g, Array<double> x, Array<double> u, Array<double> volume, Array<double> porosity,

@@ -39,19 +39,26 @@ inline double level_of(const CapacityPiece* first, const CapacityPiece* last, do
 }
 
 // Level [m] of the listed columns, overwritten in `level` (one per column); the others keep theirs.
-// tent_volume (cells): water in the tent of each cell [m^D]; its sum over a column is that in the column's horizontal
-// tent. column (count,): their numbers; piece number start[i] to start[i + 1] - 1 are those of column[i].
+// fill (cells): share of its capacity that each cell holds; inverse_capacity (cells): 1 / the water in its tent when
+// all pores are full [1/m^D], 0 in solids. The sum over a column is the water in the column's horizontal tent. Cells
+// well under water count as full: how the particles crowd there is no matter of the level, and where the porosity
+// changes they crowd by a few percent. column (count,): their numbers; piece number start[i] to start[i + 1] - 1 are
+// those of column[i].
 template <int D>
-inline void column_levels(const Grid<D>& g, const double* tent_volume, index count, const std::int64_t* column,
-                          const std::int64_t* start, const CapacityPiece* pieces, double* level) {
+inline void column_levels(const Grid<D>& g, const double* fill, const double* inverse_capacity, index count,
+                          const std::int64_t* column, const std::int64_t* start, const CapacityPiece* pieces,
+                          double* level) {
   const index nz = g.shape[D - 1];
   const double hz = g.h[D - 1], cell = g.cell_volume();
   parallel_for(
       count,
       [=](index i) {
-        const double* v = tent_volume + column[i] * nz;
+        const double *F = fill + column[i] * nz, *inverse = inverse_capacity + column[i] * nz;
+        index top = 0;  // first cell less than half full
+        while (top < nz && (inverse[top] <= 0.0 || F[top] >= 0.5)) ++top;
         double water = 0.0;
-        for (index k = 0; k < nz; ++k) water += v[k];
+        for (index k = 0; k < nz; ++k)
+          if (inverse[k] > 0.0) water += (k + 2 < top ? 1.0 : F[k]) / inverse[k];
         level[column[i]] = hz * level_of(pieces + start[i], pieces + start[i + 1] - 1, water / cell);
       },
       64);

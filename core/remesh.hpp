@@ -2,11 +2,12 @@
 //
 // The weights are the tensor product of Monaghan's M4' (the paper's eq. (7)): they sum to 1 and their first and second
 // moments are exact, so in full water the new particles sit on the nodes and volume, momentum V u_d, first and second
-// moments of volume are those of the old ones. A particle that does not see all its nodes (free surface, porous
-// interface, solid) gives to those it sees; in front of a wall, to the mirror images of those behind. There the centre
-// of what it gives is not where it was: it hands on the difference with its volume, and this moves the receiving
-// particles off their nodes by a fraction of the spacing. So volume, momentum and centre of volume are conserved
-// everywhere, and with them the potential energy. Nodes left nearly empty are merged with a neighbour.
+// moments of volume are those of the old ones. A particle that does not see all its nodes (free surface,
+// solid) gives to those it sees, one beside a porous interface more to where there is more room; in front of a wall, to
+// the mirror images of those behind. There the centre of what it gives is not where it was: it hands on the difference
+// with its volume, and this moves the receiving particles off their nodes by a fraction of the spacing. So volume,
+// momentum and centre of volume are conserved everywhere, and with them the potential energy. Nodes left nearly empty
+// are merged with a neighbour.
 #pragma once
 
 #include <array>
@@ -137,7 +138,7 @@ struct ParticleArrays {
   explicit ParticleArrays(index n) : x(n * D), u(n * D), volume(n) {}
 };
 
-// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D, all classes together
+// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D
 template <int D>
 inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs, const ParticleView<D>& p) {
   std::vector<double> fill(static_cast<std::size_t>(l.nodes()), 0.0);
@@ -153,12 +154,11 @@ template <int D>
 struct Receivers {  // the nodes that may hold a particle, in memory order; number[node] is -1 for the others
   std::vector<std::int32_t> number, node;
 
-  // class_of: (nodes,) class of each node, negative for solid; null: no classes
-  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const std::int8_t* class_of, double threshold)
+  // pores: (nodes,) porosity of each half cell, 0 for solid; null: 1 everywhere
+  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const double* pores, double threshold)
       : number(fill.size()) {
     std::int32_t count = 0;
-    for (index i = 0; i < l.nodes(); ++i)
-      number[i] = fill[i] >= threshold && (!class_of || class_of[i] >= 0) ? count++ : -1;
+    for (index i = 0; i < l.nodes(); ++i) number[i] = fill[i] >= threshold && (!pores || pores[i] > 0) ? count++ : -1;
     node.resize(count);
     for (index i = 0; i < l.nodes(); ++i)
       if (number[i] >= 0) node[number[i]] = static_cast<std::int32_t>(i);
@@ -191,22 +191,26 @@ struct Gathered {               // what a node was given
 namespace remesh {
 constexpr double receive = 0.1;  // a node with less does not take part
 constexpr double keep = 0.05;    // a node that got less gives it to its fullest neighbour
+constexpr double weigh = 0.3;    // weights with the porosity, over those without and the particle's own
 constexpr double see = 0.5;      // weights a particle must see, else all goes to the nearest node within h
 }  // namespace remesh
 
-// Gives particle i to the receivers of its class; false where none is near (spray): the particle then stays as it is.
+// Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is.
+// Where the porosity varies among them they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay
+// full. A particle among nodes that differ so much that the negative lobes of M4' outweigh the rest gives to one.
 template <int D>
 inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const std::int32_t* number,
-                 const std::int8_t* class_of, Gathered<D>* nodes) {
+                 const double* pores, Gathered<D>* nodes) {
   const double* x = p.x + i * D;
-  const int own = class_of[l.half_cell(x)];
-  if (own < 0) return false;
+  const index home = l.half_cell(x);
+  if (pores[home] <= 0) return false;
   const LatticeStencil<D> s(l, x);
   Gathered<D> g(p, i);
 
-  const auto sees = [=](index node) { return number[node] >= 0 && class_of[node] == own; };
+  const auto sees = [=](index node) { return number[node] >= 0; };
+  const double own = pores[home];
   bool all = true;
-  s.each([&](index node, double, const int*) { all = all && sees(node); });
+  s.each([&](index node, double, const int*) { all = all && sees(node) && pores[node] == own; });
   if (all) {
     for (int a = 0; a < D; ++a)
       for (int k = 0; k < 4; ++k) g.moment[a] -= g.volume * s.w[a][k] * s.reach[a][k];
@@ -214,11 +218,13 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
     return true;
   }
 
-  double sum = 0, centre[D] = {}, nearest = 1;
+  double sum = 0, seen = 0, centre[D] = {}, nearest = 1;
   index nearest_node = -1;
   int nearest_k[D];
   s.each([&](index node, double w, const int* k) {
     if (!sees(node)) return;
+    seen += w;
+    w *= pores[node];
     sum += w;
     double distance = 0;  // squared, in lattice spacings
     for (int a = 0; a < D; ++a) {
@@ -231,10 +237,10 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
     nearest_node = node;
     for (int a = 0; a < D; ++a) nearest_k[a] = k[a];
   });
-  if (sum > remesh::see) {
+  if (seen > remesh::see && sum > remesh::weigh * seen * own) {
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
     s.each([=](index node, double w, const int*) {
-      if (sees(node)) nodes[number[node]].take(w / sum, g);
+      if (sees(node)) nodes[number[node]].take(w * pores[node] / sum, g);
     });
     return true;
   }
@@ -244,10 +250,10 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
   return true;
 }
 
-// The node of the same class within `radius` nodes that holds most, if it holds more than `least`; -1: none
+// The open node within `radius` nodes that holds most, if it holds more than `least`; -1: none
 template <int D>
 inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, double least, const std::int32_t* number,
-                               const std::int8_t* class_of, const Gathered<D>* nodes) {
+                               const double* pores, const Gathered<D>* nodes) {
   const auto centre = Grid<D>::unflat(node, l.shape);
   const index width = 2 * radius + 1, candidates = D == 2 ? width * width : width * width * width;
   index best = -1;
@@ -260,7 +266,7 @@ inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, doub
       inside = inside && i >= 0 && i < l.shape[a];
       other += i * l.stride[a];
     }
-    if (!inside || number[other] < 0 || class_of[other] != class_of[node]) continue;
+    if (!inside || number[other] < 0 || pores[other] <= 0) continue;
     if (nodes[number[other]].bulk > least) {
       least = nodes[number[other]].bulk;
       best = other;
@@ -281,18 +287,18 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> g
   taken.take(1, given);
 }
 
-// A node still in debt (the negative lobes of M4' in thin water) is paid off by the fullest node of its class around
-// that has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not,
+// A node still in debt (the negative lobes of M4' in thin water) is paid off by the fullest node around that
+// has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not,
 // where the porosity changes.
 template <int D>
-inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std::int8_t* class_of, Gathered<D>* nodes,
+inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const double* pores, Gathered<D>* nodes,
                   std::vector<unsigned char>& gone) {
   const std::int32_t* number = receivers.number.data();
   for (index r = 0; r < receivers.count(); ++r) {
     if (gone[r] || (nodes[r].bulk > 0 && nodes[r].volume > 0)) continue;
     const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
     for (int radius = 2; radius <= 32 && !gone[r]; radius *= 2) {
-      const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, class_of, nodes);
+      const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, pores, nodes);
       if (to < 0) continue;
       hand_over(l, receivers.node[r], to, nodes[r], nodes[number[to]]);
       gone[r] = 1;
@@ -303,8 +309,8 @@ inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const std:
 // Nodes that hold less than `keep` of a half cell (or less than nothing: M4' has negative lobes) give it all away. On
 // return gone[r] tells which; a little water with no neighbour to go to stays (but none below nothing).
 template <int D>
-inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers,
-                                              const std::int8_t* class_of, Gathered<D>* nodes) {
+inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers, const double* pores,
+                                              Gathered<D>* nodes) {
   const index count = receivers.count();
   std::vector<std::int32_t> target(count, -1);
   std::vector<unsigned char> gone(count, 0);
@@ -315,7 +321,7 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
   parallel_for(count, [=, &l](index r) {
     if (nodes[r].volume == 0 || nodes[r].bulk >= enough) return;
     for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
-      to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, class_of, nodes));
+      to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, pores, nodes));
   });
   for (index r = 0; r < count; ++r) {
     gone[r] = nodes[r].volume == 0;
@@ -323,13 +329,13 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
     hand_over(l, node[r], to[r], nodes[r], nodes[number[to[r]]]);
     gone[r] = 1;
   }
-  repay(l, receivers, class_of, nodes, gone);
+  repay(l, receivers, pores, nodes, gone);
   return gone;
 }
 
-// Position of the particle of a node: where its water came from on average, never in a half cell of another class.
+// Position of the particle of a node: where its water came from on average, never in a solid half cell.
 template <int D>
-inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const std::int8_t* class_of, double* x) {
+inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const double* pores, double* x) {
   const auto at = Grid<D>::unflat(node, l.shape);
   double offset[D];
   bool inside = true;
@@ -340,30 +346,30 @@ inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const s
     if (l.periodic[a]) x[a] -= size * std::floor(x[a] / size);
     inside = inside && x[a] >= 0 && x[a] <= size;
   }
-  if (inside && class_of[l.half_cell(x)] == class_of[node]) return;
+  if (inside && pores[l.half_cell(x)] > 0) return;
   constexpr double half = 0.5 - 1e-9;
   for (int a = 0; a < D; ++a)
     x[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a] + std::clamp(offset[a], -half * l.h[a], half * l.h[a]);
 }
 
 // The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
-// class_of (nodes,): water moves only between particles and nodes of the same class; negative: solid, holds no node.
-// Conserves, in every class, sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
+// pores (nodes,): porosity of the half cells; 0: solid, holds no node.
+// Conserves sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
 // place(). first, last: nodes along the first axis between which the water is; walls stand at both ends.
 template <int D>
-inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int8_t* class_of, const ParticleView<D>& p,
+inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const double* pores, const ParticleView<D>& p,
                                              index first, index last) {
   const Lattice<D> l(grid, first, last);
   const Slabs<D> slabs(l, p.n, p.x);
-  const Receivers<D> receivers(l, node_fill(l, slabs, p), class_of, remesh::receive);
+  const Receivers<D> receivers(l, node_fill(l, slabs, p), pores, remesh::receive);
   const index count = receivers.count();
   std::vector<Gathered<D>> gathered(count);
   std::vector<unsigned char> stayed(p.n);
   const std::int32_t* number = receivers.number.data();
   Gathered<D>* nodes = gathered.data();
   unsigned char* stays = stayed.data();
-  slabs.scatter([=, &l](index i) { stays[i] = !give(l, p, i, number, class_of, nodes); });
-  const auto gone = merge_small(l, receivers, class_of, nodes);
+  slabs.scatter([=, &l](index i) { stays[i] = !give(l, p, i, number, pores, nodes); });
+  const auto gone = merge_small(l, receivers, pores, nodes);
 
   std::vector<std::int32_t> from;  // node numbers, then count + particle numbers
   from.reserve(count);
@@ -377,7 +383,7 @@ inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int
   parallel_for(static_cast<index>(from.size()), [=, &l](index i) {
     const index r = source[i], old = r - count;
     volume[i] = r < count ? nodes[r].volume : p.volume[old];
-    if (r < count) place(l, node[r], nodes[r], class_of, x + i * D);
+    if (r < count) place(l, node[r], nodes[r], pores, x + i * D);
     for (int a = 0; a < D; ++a) {
       if (r >= count) x[i * D + a] = p.x[old * D + a];
       u[i * D + a] = r < count ? nodes[r].momentum[a] / nodes[r].volume : p.u[old * D + a];
@@ -387,7 +393,7 @@ inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const std::int
 }
 
 // The paper's remeshing, eqs (6)-(7) with V_j inside the sum and tensor weights: a full particle, V = n h^D, on every
-// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. Blind to classes. Water is not
+// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. Blind to solids. Water is not
 // conserved: every remeshing moves the surface to the outermost node that any particle reaches, which raises it.
 template <int D>
 inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const ParticleView<D>& p, double threshold) {

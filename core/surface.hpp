@@ -17,12 +17,12 @@ inline double depth_from_fill(double F) {
   return -1.0;
 }
 
-// Height of water standing in each column of cells, sum_p (V/n)_p B(x_p - x_c) / (plan area of a cell) [m], with the
+// Height of water standing in each column of cells, sum_p V_p B(x_p - x_c) / (plan area of a cell) [m], with the
 // quadratic B-spline B in the horizontal: its derivative, with which the flux between columns is taken, is the tent
 // that the position correction keeps full, so that the count of particles in a column adds no noise. Paddles fold,
 // those between the faces mirror.
 template <int D>
-inline void column_heights(const Grid<D>& g, const std::int64_t* start, const double* x, const double* bulk,
+inline void column_heights(const Grid<D>& g, const std::int64_t* start, const double* x, const double* volume,
                            const Paddles& paddles, double* height) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];
@@ -30,7 +30,7 @@ inline void column_heights(const Grid<D>& g, const std::int64_t* start, const do
   parallel_for(columns, [=](index c) { height[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      const double v = bulk[p] / area;
+      const double v = volume[p] / area;
       const auto add = [=](const double* at) {
         Reach<QuadraticKernel> reach[D - 1];
         each_of<D - 1>([&](auto a) { reach[a].set(at[a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });

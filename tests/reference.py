@@ -11,7 +11,7 @@ from math import erf, exp, floor, isnan, sqrt
 
 import numpy as np
 
-from houle.moments import Measure
+from houle.moments import Measure, with_tent
 from houle.porous import partition
 
 SIGMA = 0.6  # standard deviation of the Gaussian kernels, in cells
@@ -194,11 +194,11 @@ def fill_of_depth(d):
     return 0.5 * (1.0 + max(d, -1.0)) ** 2
 
 
-def column_heights(grid, position, bulk):
-    """[m] sum_p (V/n)_p B(x_p - x_c) / plan area, quadratic B-spline across, walls folded."""
+def column_heights(grid, position, volume):
+    """[m] sum_p V_p B(x_p - x_c) / plan area, quadratic B-spline across, walls folded."""
     height = np.zeros(grid.shape[:-1])
     area = grid.cell_volume / grid.spacing[-1]
-    for x, v in zip(position, bulk, strict=True):
+    for x, v in zip(position, volume, strict=True):
         lines = []
         for a in range(grid.dimension - 1):
             s = x[a] / grid.spacing[a] - 0.5
@@ -488,18 +488,6 @@ def viscous_acceleration(grid, u, mass, least, nu, porosity, no_slip):
 
 
 # ---- the medium ------------------------------------------------------------------------------------------------------
-
-
-def with_tent(zero, one, periodic):
-    """Mean with weight 1 - |x - x_c| / h around each centre x_c; what falls behind a wall is folded back, or wraps."""
-    low, high, low_one, high_one = zero[..., 0::2], zero[..., 1::2], one[..., 0::2], one[..., 1::2]
-    upward, downward = 0.25 * high + 0.5 * high_one, 0.25 * low - 0.5 * low_one  # what the next and the last cell get
-    mean = 0.75 * (low + high) + 0.5 * (low_one - high_one)
-    mean[..., 1:] += upward[..., :-1]
-    mean[..., :-1] += downward[..., 1:]
-    mean[..., 0] += upward[..., -1] if periodic else downward[..., 0]
-    mean[..., -1] += downward[..., 0] if periodic else upward[..., -1]
-    return mean / 2
 
 
 def tent_porosity(grid, bodies, solids):

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-RECEIVE, KEEP, SEE = 0.1, 0.05, 0.5  # in half cells, in half cells, sum of weights
+RECEIVE, KEEP, SEE, WEIGH = 0.1, 0.05, 0.5, 0.3  # in half cells, in half cells, sums of weights
 
 
 def m4_prime(s):
@@ -33,7 +33,7 @@ def stencil(grid, x):
         yield node, np.prod(weights), np.array(reach)
 
 
-def conservative(grid, body, position, velocity, volume, porosity):
+def conservative(grid, pores, position, velocity, volume, porosity):
     """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules."""
     d, half = grid.dimension, np.array(grid.spacing) / 2
     shape = tuple(2 * n for n in grid.shape)
@@ -47,17 +47,21 @@ def conservative(grid, body, position, velocity, volume, porosity):
     for nodes, v, n in zip(stencils, volume, porosity, strict=True):
         for node, w, _ in nodes:
             fill[node] += w * v / n / half.prod()
-    receives = (fill >= RECEIVE) & (body >= 0)
+    receives = (fill >= RECEIVE) & (pores > 0)
 
     got_volume, got_bulk = np.zeros(shape), np.zeros(shape)
     got_momentum, got_moment = np.zeros((*shape, d)), np.zeros((*shape, d))
     stayed = []
     for p, nodes in enumerate(stencils):
-        own = body[half_cell(position[p])]
-        seen = [part for part in nodes if own >= 0 and receives[part[0]] and body[part[0]] == own]
+        own = pores[half_cell(position[p])]
+        seen = [part for part in nodes if own > 0 and receives[part[0]]]
+        plain = sum(w for _, w, _ in seen)
+        alike = len(seen) == len(nodes) and all(pores[node] == own for node, _, _ in seen)
+        if not alike:
+            seen = [(node, w * pores[node], reach) for node, w, reach in seen]
         total = sum(w for _, w, _ in seen)
         near = min(seen, key=lambda part: np.sum((part[2] / half) ** 2), default=None)
-        if len(seen) == len(nodes) or total > SEE:
+        if alike or (plain > SEE and total > WEIGH * plain * own):
             shares = [(node, w / total, reach) for node, w, reach in seen]
         elif near is not None and np.sum((near[2] / half) ** 2) < 1:
             shares = [(near[0], 1.0, near[2])]
@@ -82,7 +86,7 @@ def conservative(grid, body, position, velocity, volume, porosity):
                 other = tuple(
                     int(i % n) if per else int(i) for i, n, per in zip(raw, shape, grid.periodic, strict=True)
                 )
-                if any(i < 0 or i >= n for i, n in zip(other, shape, strict=True)) or body[other] != body[node]:
+                if any(i < 0 or i >= n for i, n in zip(other, shape, strict=True)) or pores[other] <= 0:
                     continue
                 if got_bulk[other] > (got_bulk[best[0]] if best else enough):
                     best = other, step
@@ -101,7 +105,7 @@ def conservative(grid, body, position, velocity, volume, porosity):
         offset = np.clip(got_moment[node] / got_volume[node], -half, half)
         place = np.where(grid.periodic, np.mod(centre + offset, grid.size), centre + offset)
         inside = np.all((place >= 0) & (place <= grid.size))
-        if not inside or body[half_cell(place)] != body[node]:  # held back
+        if not inside or pores[half_cell(place)] <= 0:  # held back
             place = centre + np.clip(offset, -0.5 * half, 0.5 * half)
         x.append(place)
         u.append(got_momentum[node] / got_volume[node])

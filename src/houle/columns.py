@@ -91,8 +91,8 @@ class _Tent:
 def uniform_columns(grid: Grid, medium: Medium, reach: int = 2) -> NDArray[np.bool_]:
     """Whether a column and those within `reach` of it hold one porosity throughout and no solid, grid.shape[:-1].
 
-    Two columns on each side: the spline of column_heights sees one and a half, and the porosity at its particles is
-    interpolated from half a cell further.
+    Two columns on each side: the spline of column_heights sees one and a half, and its sum is divided by the
+    porosity of the column.
     """
     low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
     low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)

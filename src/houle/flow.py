@@ -57,9 +57,10 @@ class Flow:
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.porous = bool(np.any(medium.porosity < 1.0))
+        self.column_porosity = medium.porosity.min(axis=-1)  # of columns that hold one porosity
 
         g = grid
-        self.inverse_tent_volume = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
+        self.inverse_capacity = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
         self.fill = g.cells()  # water volume / pore volume, tent-smoothed
         self.depth = g.cells()  # of the cell centre below the free surface [cells]
         self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
@@ -83,7 +84,7 @@ class Flow:
         self.makers: list[Maker] = []  # of waves
         self.paddles: list[Paddle] = []  # moving walls; they are among `driven` too
         self.walls: FloatArray | None = None  # their places x [m] and sides, one row each
-        self.body = medium.body.copy()  # without what paddles close
+        self.pores = medium.at_half_cells()  # porosity of the half cells, 0 in solids and where paddles close them
         self.nodes = EVERYWHERE  # of the lattice of the particles along x, between paddles
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.push: Faces = []  # their accelerations [m/s2]
@@ -130,7 +131,12 @@ class Flow:
             _core.scatter_cells(core, start, flood.position[order], flood.volume[order], part)
             capacity += part
         least = 1e-9 * self.grid.cell_volume
-        np.divide(1.0, capacity, out=self.inverse_tent_volume, where=capacity > least)
+        np.divide(1.0, capacity, out=self.inverse_capacity, where=capacity > least)
+
+    @cached_property
+    def open_pores(self) -> FloatArray:
+        """`pores` without what paddles close."""
+        return self.medium.at_half_cells()
 
     def damp(self, rate: Faces) -> None:
         """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
@@ -162,7 +168,7 @@ class Flow:
         """Porosity, bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            cells = (self.medium.porosity, self.cell_inertia)
+            cells = (self.medium.particle_porosity, self.cell_inertia)
             _core.sample_medium(core, p.position, p.volume, *cells, self.porosity, self.bulk, self.inertia)
         else:
             self.bulk[...] = p.volume

@@ -117,6 +117,18 @@ def around_faces(zero: FloatArray, one: FloatArray, periodic: bool) -> FloatArra
     return mean
 
 
+def with_tent(zero: FloatArray, one: FloatArray, periodic: bool) -> FloatArray:
+    """Mean with weight 1 - |x - x_c| / h around each centre x_c; what falls behind a wall is folded back, or wraps."""
+    low, high, low_one, high_one = zero[..., 0::2], zero[..., 1::2], one[..., 0::2], one[..., 1::2]
+    upward, downward = 0.25 * high + 0.5 * high_one, 0.25 * low - 0.5 * low_one  # what the next and the last cell get
+    mean = 0.75 * (low + high) + 0.5 * (low_one - high_one)
+    mean[..., 1:] += upward[..., :-1]
+    mean[..., :-1] += downward[..., 1:]
+    mean[..., 0] += upward[..., -1] if periodic else downward[..., 0]
+    mean[..., -1] += downward[..., 0] if periodic else upward[..., -1]
+    return mean / 2
+
+
 @dataclass(frozen=True)
 class Measure:
     """Half-cell moments of a region: sum over layers of the section's (2, 2, 2 nx, 2 nz) times those in y (2, 2 ny).

@@ -65,9 +65,11 @@ def find_surface(flow: Flow) -> None:
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
     _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill, flow.walls)
-    _core.column_heights(core, flow.start, position, flow.bulk, flow.level, flow.walls)
-    _core.column_levels(core, flow.fill, mixed.column, mixed.start, mixed.pieces, flow.level)
-    flow.fill *= flow.inverse_tent_volume
+    _core.column_heights(core, flow.start, position, flow.particles.volume, flow.level, flow.walls)
+    if flow.porous:
+        flow.level /= flow.column_porosity
+    flow.fill *= flow.inverse_capacity
+    _core.column_levels(core, flow.fill, flow.inverse_capacity, mixed.column, mixed.start, mixed.pieces, flow.level)
     _core.find_surface(
         core, flow.fill, flow.medium.open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
         flow.eta,
@@ -220,7 +222,7 @@ def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
     own = (flow.particles.velocity, flow.porosity if flow.porous else None) if flow.interpolated else (None, None)
     _core.move(
-        flow.grid.core, flow.velocity, flow.medium.porosity if flow.porous else None, *own,
+        flow.grid.core, flow.velocity, flow.medium.particle_porosity if flow.porous else None, *own,
         flow.medium.solid_distance, flow.gates, dt, flow.particles.position, flow.walls,
     )  # fmt: skip
 
@@ -269,6 +271,6 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         displacement, work.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
-    _core.displace(
-        g.core, displacement, porosity, m.solid_distance, flow.gates, MOST_SHIFT, flow.particles.position, flow.walls
-    )
+    porosity = m.particle_porosity if flow.porous else None
+    obstacles = (m.solid_distance, flow.gates)
+    _core.displace(g.core, displacement, porosity, *obstacles, MOST_SHIFT, flow.particles.position, flow.walls)

@@ -59,7 +59,7 @@ class Paddle:
 
     def _clear(self) -> int:
         """Cells in front of it that are like those at its face, LEEWAY at most."""
-        body = self.flow.body.reshape(2 * self.flow.grid.shape[0], -1)[:: self.water]
+        body = self.flow.medium.body.reshape(2 * self.flow.grid.shape[0], -1)[:: self.water]
         first = round(2.0 * self.rest / self.flow.grid.spacing[0])
         ahead = body[first:] if self.water > 0 else body[len(body) - first :]
         other = np.flatnonzero((ahead != ahead[0]).any(axis=1))
@@ -99,12 +99,12 @@ class Paddle:
             column = int(np.floor(at + SLIVER))
             self.share = min(1.0, column + 1 - at)
             self.behind, self.face, self.inner = slice(0, column), column, column + 1
-            flow.medium.body[: self.node] = -1
+            flow.pores[: self.node] = 0.0
         else:
             column = int(np.ceil(at - SLIVER)) - 1
             self.share = min(1.0, at - column)
             self.behind, self.face, self.inner = slice(column + 1, None), column + 1, column
-            flow.medium.body[self.node :] = -1
+            flow.pores[self.node :] = 0.0
         self.column = column
         across, *along = flow.open_faces
         across[self.behind] = across[self.face] = 0.0
@@ -172,7 +172,7 @@ def place(flow: Flow) -> None:
     """Openness of faces and half cells with the paddles where they are now."""
     for faces, whole in zip(flow.open_faces, flow.medium.open_faces, strict=True):
         faces[...] = whole
-    flow.medium.body[...] = flow.body
+    flow.pores[...] = flow.open_pores
     for paddle in flow.paddles:
         paddle.close()
     flow.walls = np.array([paddle.outline() for paddle in flow.paddles])

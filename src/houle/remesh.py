@@ -16,7 +16,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from houle import _core
 from houle.errors import SimulationError
@@ -30,12 +29,12 @@ EVERYWHERE: Nodes = (0, -1)
 
 @dataclass(frozen=True)
 class Conservative:
-    """Volume, momentum and centre of volume conserved, body by body, up to the surface.
+    """Volume, momentum and centre of volume conserved, up to the surface and across porous interfaces.
 
-    grid, and body: (2 nx, [2 ny,] 2 nz) int8, the porous body of each half cell (0 clear water, -1 solid); water
-    changes hands only inside a body. Conserved to round-off in every body: sum V, sum V u_d and, but for a rare
-    particle that would have left its body or the tank, sum V x, so the potential energy. The true momentum
-    sum V u_d / n is conserved as far as n is the same for the particles of a body.
+    grid, and porosity: (2 nx, [2 ny,] 2 nz) of the half cells, 0 in solids (Medium.at_half_cells). Where it varies the
+    nodes around a particle receive in proportion to it, so that water which fills the pores goes on filling them.
+    Conserved to round-off: sum V, sum V u_d and, but for a rare particle that would have left the tank, sum V x, so
+    the potential energy. The true momentum sum V u_d / n is conserved as far as n is the same for all.
 
     Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
     moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves
@@ -46,12 +45,12 @@ class Conservative:
     """
 
     grid: Grid
-    body: NDArray[np.int8]
+    porosity: FloatArray
 
     def __call__(self, particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
-        new = Particles(*_core.remesh_conservative(self.grid.core, self.body, *arrays, *between))
+        new = Particles(*_core.remesh_conservative(self.grid.core, self.porosity, *arrays, *between))
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(
@@ -86,9 +85,9 @@ def keep(particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE
     return particles
 
 
-# name in the case file -> remesher for a grid and its bodies
-STRATEGIES: dict[str, Callable[[Grid, NDArray[np.int8]], Remesher]] = {
+# name in the case file -> remesher for a grid and the porosity of its half cells
+STRATEGIES: dict[str, Callable[[Grid, FloatArray], Remesher]] = {
     "conservative": Conservative,
-    "paper": lambda grid, body: Paper(grid),
-    "none": lambda grid, body: keep,
+    "paper": lambda grid, porosity: Paper(grid),
+    "none": lambda grid, porosity: keep,
 }

@@ -9,7 +9,7 @@ from houle.flow import SPRAY, Flow
 from houle.remesh import Remesher
 from houle.transfer import Transfer
 
-TRAVEL = 2.0  # cells that water must have come away from where it was for remeshing to be worth it
+TRAVEL = 0.5  # cells that water must have come away from where it was for remeshing to be worth it
 
 
 class Remeshing:

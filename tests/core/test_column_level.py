@@ -44,7 +44,9 @@ def water_of(grid, particles):
 def levels_of(grid, medium, water):
     """Levels [m] of the mixed columns."""
     mixed, level = Capacity.of(grid, medium), np.full(grid.shape[:-1], np.nan)
-    _core.column_levels(grid.core, water, mixed.column, mixed.start, mixed.pieces, level)
+    capacity = water_of(grid, seed(grid, medium, [Box((0.0,) * grid.dimension, grid.size)]))
+    inverse = np.divide(1.0, capacity, out=grid.cells(), where=capacity > 1e-9 * grid.cell_volume)
+    _core.column_levels(grid.core, water * inverse, inverse, mixed.column, mixed.start, mixed.pieces, level)
     return level.ravel()[mixed.column]
 
 
@@ -114,3 +116,16 @@ def test_a_column_that_is_nearly_solid_is_not_filled_beyond_the_tank():
     water = np.full(grid.shape, grid.cell_volume)
     found = levels_of(grid, medium, water)
     assert (found >= 0.0).all() and (found <= TOP).all()
+
+
+def test_particles_that_crowd_deep_under_the_surface_raise_no_level():
+    """A tenth more in the cells by the floor: the same levels. Water added at the surface: more."""
+    grid = Grid((8, 16), (0.5, 0.25), (False, False))
+    medium = Medium.build(grid, [PorousBody("block", SLOPES["block"], 0.4)])
+    water = water_of(grid, seed(grid, medium, [Box((0.0, 0.0), (4.0, 3.1))]))
+    still, crowded, more = levels_of(grid, medium, water), water.copy(), water.copy()
+    crowded[:, :9] *= 1.1
+    more[:, 12] *= 1.1
+    np.testing.assert_allclose(still, 3.1, atol=1e-11)
+    np.testing.assert_allclose(levels_of(grid, medium, crowded), still, atol=1e-11)
+    assert (levels_of(grid, medium, more) > still + 0.005).all()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shapely
 
+import reference
 from houle.geometry import Box, Polygon, Shape
 from houle.grid import Grid
 from houle.porous import CLOSED, Medium, PorousBody
@@ -30,7 +31,7 @@ def sampled(grid: Grid, value, low, high, m=40) -> float:
 
 def all_fields(medium: Medium) -> list[np.ndarray]:
     faces = [*medium.open_faces, *(f for column in range(3) for f in medium.on_faces(column))]
-    return [medium.porosity, medium.open_cells, medium.body, *faces]
+    return [medium.porosity, medium.particle_porosity, medium.open_cells, medium.body, *faces]
 
 
 @pytest.mark.parametrize(("shape", "size"), [((7, 5), (0.7, 0.4)), ((4, 3, 5), (0.4, 0.2, 0.5))])
@@ -141,7 +142,7 @@ def test_a_prism_in_3d_is_the_same_as_its_section_in_2d():
 def test_every_field_has_the_shape_and_the_layout_that_the_kernels_read():
     grid = Grid((6, 5, 4), (0.1, 0.1, 0.1), (False, True, False))
     medium = Medium.build(grid, [PorousBody("b", Box((0.1, 0.1, 0.0), (0.3, 0.3, 0.2)), **ROCK)])
-    cells, faces = [grid.shape] * 2, [grid.face_shape(a) for a in range(3)] * 4
+    cells, faces = [grid.shape] * 3, [grid.face_shape(a) for a in range(3)] * 4
     for field, shape in zip(all_fields(medium), [*cells, (12, 10, 8), *faces], strict=True):
         assert field.shape == shape and field.flags.c_contiguous
     assert medium.body.dtype == np.int8
@@ -203,3 +204,31 @@ def test_a_sloping_solid_pushes_back_with_its_full_face():
             x, z = medium.open_faces
             assert (x[i, j] - x[i + 1, j]) * 0.1 == pytest.approx(run[1], abs=0.1 * side)
             assert (z[i, j + 1] - z[i, j]) * 0.1 == pytest.approx(run[0], abs=0.1 * side)
+
+
+@pytest.mark.parametrize("porosity", [0.39, 0.49, 0.85])
+def test_the_porosity_of_particles_fills_tents_as_the_structure_does(porosity):
+    """Integrated with the tent of every cell, finely: the means of the structure, faces on and off the grid lines."""
+    grid = Grid((16, 8), (0.5, 0.5), (False, False))
+    medium = Medium.build(grid, [PorousBody("block", Box((2.0, 0.0), (5.3, 2.1)), porosity)])
+    tents = reference.tent_porosity(grid, medium.bodies, medium.solids)
+    s = (np.arange(200) + 0.5) / 100 - 1  # over a tent, in cells
+    for i, k in [(3, 1), (4, 1), (5, 1), (10, 1), (11, 1), (7, 3), (7, 4), (7, 6)]:
+        x, z = np.meshgrid(i + s, k + s, indexing="ij")
+        field = interpolated(medium.particle_porosity, x, z)
+        weight = (1 - np.abs(s))[:, None] * (1 - np.abs(s))
+        assert (weight * field).sum() / weight.sum() == pytest.approx(tents[i, k], abs=3e-4)
+
+
+def interpolated(values, i, k):
+    """Bilinear between cells at places (in cells, centres at whole numbers)."""
+    low = np.floor(i).astype(int), np.floor(k).astype(int)
+    s, t = i - low[0], k - low[1]
+    at = [[values[np.clip(low[0] + a, 0, None), np.clip(low[1] + b, 0, None)] for b in (0, 1)] for a in (0, 1)]
+    return (1 - s) * ((1 - t) * at[0][0] + t * at[0][1]) + s * ((1 - t) * at[1][0] + t * at[1][1])
+
+
+def test_the_porosity_of_particles_stays_well_above_nothing_beside_tight_bodies():
+    grid = Grid((8, 8), (1.0, 1.0), (False, False))
+    medium = Medium.build(grid, [PorousBody("core", Box((3.0, 0.0), (6.0, 8.0)), 0.1)])
+    assert medium.particle_porosity.min() >= 0.05 - ROUND_OFF

@@ -117,10 +117,10 @@ def test_volume_under_the_surface_is_the_volume_of_the_water(level, slope):
 @settings(max_examples=40)
 @given(grids(), randoms)
 def test_column_heights_against_the_twin(grid, random):
-    x, bulk, height = scattered(grid, random, 50), random.random(50), np.zeros(grid.shape[:-1])
-    _core.column_heights(grid.core, start_of(grid, x), x, bulk, height)
-    np.testing.assert_allclose(height, reference.column_heights(grid, x, bulk), rtol=0, atol=1e-12)
-    assert height.sum() * grid.cell_volume / grid.spacing[-1] == pytest.approx(bulk.sum(), rel=1e-13)
+    x, volume, height = scattered(grid, random, 50), random.random(50), np.zeros(grid.shape[:-1])
+    _core.column_heights(grid.core, start_of(grid, x), x, volume, height)
+    np.testing.assert_allclose(height, reference.column_heights(grid, x, volume), rtol=0, atol=1e-12)
+    assert height.sum() * grid.cell_volume / grid.spacing[-1] == pytest.approx(volume.sum(), rel=1e-13)
 
 
 @given(st.floats(1e-6, 0.4))
@@ -131,7 +131,7 @@ def test_a_rise_of_any_size_is_seen(rise):
     inside = (high.particles.position[:, 0] > 8) & (high.particles.position[:, 0] < 12)
     top = inside & (high.particles.position[:, 1] > 4.0)
     high.particles.volume[top] *= 1.0 + rise / 0.3
-    high.bulk = high.particles.volume
+    high.volume = high.particles.volume
     find_surface(high)
     assert (high.eta - low.eta).sum() == pytest.approx(4 * rise, rel=1e-9, abs=1e-12)
     assert (high.eta - low.eta).max() == pytest.approx(rise, rel=1e-9, abs=1e-12)

@@ -24,17 +24,17 @@ def counted(sim):
     """Steps [s] at which the particles were made anew."""
     times, remesher = [], sim.step.remeshing.remesher
 
-    def count(particles, porosity):
+    def count(particles, porosity, *between):
         times.append(sim.time)
-        return remesher(particles, porosity)
+        return remesher(particles, porosity, *between)
 
     sim.step.remeshing.remesher = count
     return times
 
 
 def test_to_and_fro_is_not_away():
-    """Orbits of 0.3 cells go a long way in 3 s and leave nothing to do; those of 3 cells do not."""
-    low, high = simulation(sloshing(0.0025, 0.9)), simulation(sloshing(0.025, 0.9))
+    """Orbits of 0.2 cells go a long way in 3 s and leave nothing to do; those of 3 cells do not."""
+    low, high = simulation(sloshing(0.0015, 0.9)), simulation(sloshing(0.025, 0.9))
     never, often = counted(low), counted(high)
     run(low, 10_000, until=3.0)
     run(high, 10_000, until=1.0)
