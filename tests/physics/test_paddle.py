@@ -157,15 +157,20 @@ def test_a_piston_that_absorbs_holds_the_height_before_a_wall():
 
 
 def test_a_solitary_wave_is_as_high_and_as_fast_as_theory():
-    """Goring's motion: after some depths the crest is within 2 % of the height, its speed within 1 %."""
+    """Goring's motion: after some depths the crest is within 2 % of the height, its speed within 1 %.
+
+    The place of the wave is the middle of what stands above half its height: the crest itself is as flat as a cell.
+    """
     waves = {"kind": "solitary", "height": 0.08, "depth": 0.4, "piston": {"x": 0.4}}
-    sim = simulation({**FLUME, "waves": waves, "domain": {"size": [6.4, 0.6], "spacing": 0.04}})
+    sim = simulation({**FLUME, "waves": waves, "domain": {"size": [8.8, 0.6], "spacing": 0.04}})
     crest, x = [], sim.grid.axis_points(0)
     for end in (3.4, 4.4):
         to(sim, end)
-        top = int(np.nanargmax(sim.flow.eta))
-        c = np.polyfit(x[top - 3 : top + 4], sim.flow.eta[top - 3 : top + 4], 2)
-        crest.append((-c[1] / (2 * c[0]), np.polyval(c, -c[1] / (2 * c[0])) - 0.4))
+        eta = np.nan_to_num(sim.flow.eta - 0.4)
+        top = int(np.argmax(eta))
+        c = np.polyfit(x[top - 3 : top + 4], eta[top - 3 : top + 4], 2)
+        upper = np.maximum(eta - 0.04, 0.0)
+        crest.append((float(np.sum(upper * x) / np.sum(upper)), np.polyval(c, -c[1] / (2 * c[0]))))
     (x0, _), (x1, height) = crest
     assert height == pytest.approx(0.08, rel=0.02)
     assert x1 - x0 == pytest.approx(sim.wave.celerity * 1.0, rel=0.01)

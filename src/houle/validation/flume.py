@@ -172,7 +172,7 @@ def piston(
     last = first + lengths * wave.length
     end = _up(last + GAP)
     top = _top(depth, height)
-    count = round(lengths * PER_LENGTH) + 1
+    every = wave.length / (2 * PER_LENGTH)  # so near that waves of twice the frequency to both sides can be told apart
     travel = (2 * end - rest - first) / wave.group_velocity + RAMP_SETTLE * period
     return {
         "domain.size": [end if wall else round(end + 0.4, 4), top],
@@ -181,7 +181,7 @@ def piston(
             "piston": {"x": rest, "absorb": True},
         },
         "gauge": [
-            {"name": f"G{i + 1}", "x": _round(first + i * wave.length / PER_LENGTH)} for i in range(count)
+            {"name": f"G{i + 1}", "x": _round(first + i * every)} for i in range(round((last - first) / every) + 1)
         ],
         "absorber": [] if wall else [{"x": end}],
         "time.end": _up(travel * (2.0 if wall else 1.0) + (PERIODS + 0.2) * period),
