@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.grid import FloatArray, Grid
 from houle.porous import Medium
@@ -31,16 +32,24 @@ class Room:
         below, moment = (np.pad(np.cumsum(part, axis=1), ((0, 0), (1, 0))) * h for part in (share, share * middle))
         return cls(h, grid.cell_volume / h, share, below, moment)
 
-    def mean_level(self, eta: FloatArray, along: FloatArray | None = None) -> float:
+    def mean_level(
+        self,
+        eta: FloatArray,
+        along: FloatArray | None = None,
+        shared: tuple[NDArray[np.bool_], FloatArray] | None = None,
+    ) -> float:
         """Water below the levels eta (columns) [m], NaN where dry, over the plan area [m].
 
         along: share of each column that counts, between moving walls; None: all.
+        shared: which columns have no single level, and the share (these, nz) of their cells that is under water.
         """
+        water = np.zeros(eta.size)
         wet, cell, z = self._top(eta)
-        water = self.below[wet, cell] + self.share[wet, cell] * (z - cell * self.spacing)
-        if along is None:
-            return float(np.sum(water)) / eta.size
-        return float(np.sum(water * along.ravel()[wet])) / float(np.sum(along))
+        water[wet] = self.below[wet, cell] + self.share[wet, cell] * (z - cell * self.spacing)
+        if shared is not None:
+            columns = np.flatnonzero(shared[0])
+            water[columns] = self.spacing * np.sum(self.share[columns] * shared[1], axis=1)
+        return float(np.mean(water) if along is None else np.sum(water * along.ravel()) / np.sum(along))
 
     def height_moment(self, eta: FloatArray, along: FloatArray | None = None) -> float:
         """Integral of z over the water below the levels eta [m^(d+1)]: its energy over density and gravity."""

@@ -21,6 +21,7 @@ from houle.geometry import shape_of
 from houle.grid import FloatArray
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, at_points
+from houle.observe.profile import wet_share
 from houle.operations import arrange, prepare
 from houle.paddle import Paddle, place
 from houle.particles import Particles
@@ -293,7 +294,7 @@ class Simulation:
         row = {
             "volume": volume,
             "volume_drift": self.volume_drift,
-            "mean_level": self._room.mean_level(flow.eta, self._room_along()),
+            "mean_level": self._mean_level(),
             "kinetic_energy": rho * flow.kinetic_energy(),
             "potential_energy": rho * self._potential_energy(),
             "drag_work": rho * ledger.drag_work,
@@ -316,6 +317,12 @@ class Simulation:
         for name in ("divergence", "pressure_iterations", "correction_iterations"):
             row[name] = float(ledger.notes.get(name, 0.0))
         return {k: np.asarray(v, float) for k, v in row.items()}
+
+    def _mean_level(self) -> float:
+        """Where the surface overhangs, a column has several levels: there the cells under water count, and no air."""
+        several = np.isnan(self.flow.column)
+        wet = wet_share(self.flow, np.nonzero(several))
+        return self._room.mean_level(self.flow.eta, self._room_along(), (several, wet))
 
     def _potential_energy(self) -> float:
         """Of waves that of the levels: how the particles are packed does not count; else that of the particles."""

@@ -98,14 +98,6 @@ def test_lowest_water_is_the_underside_of_the_lowest_particle():
     assert measure.lowest_water(position, volume, porosity, 0.1) == pytest.approx(0.25)
 
 
-def test_water_under_a_surface_counts_the_pores():
-    """Two columns of four cells of 0.5 m x 0.25 m, the right one porous up to its middle."""
-    porosity = np.array([[1.0] * 4, [0.4, 0.4, 1.0, 1.0]])
-    eta = xr.DataArray([[0.6, 0.6], [np.nan, 0.3]], dims=("time", "x"))
-    expected = [0.5 * (0.6 + 0.5 * 0.4 + 0.1), 0.5 * 0.3 * 0.4]
-    assert measure.water_under(eta, porosity, (1.0, 1.0)) == pytest.approx(expected)
-
-
 def test_fundamental_of_a_pure_wave_with_other_modes_and_a_level():
     time = np.linspace(0.0, 1.0, 11)
     wave = 0.02 * np.cos(3.0 * time)
@@ -166,11 +158,9 @@ def standing_wave(decay=0.0005, stretch=1.0):
     case = load("standing-wave")
     time = np.arange(0.0, case.time.end + 1e-9, 0.01)
     wave = 0.02 * np.exp(-decay * time) * np.cos(2 * np.pi / (1.396157 * stretch) * time)
-    ledger = {"kinetic_energy": 0.0, "potential_energy": 1.0, "volume": 0.25, "volume_drift": 0.0}
+    ledger = {"kinetic_energy": 0.0, "potential_energy": 1.0, "volume": 0.25, "volume_drift": 0.0, "mean_level": 0.25}
     series = xr.Dataset({k: ("time", np.broadcast_to(v, time.shape)) for k, v in ledger.items()}, {"time": time})
-    surface = xr.Dataset({"eta": (("time", "x"), np.full((2, 100), 0.25))})
-    fields = SimpleNamespace(frame=lambda i: SimpleNamespace(cell_porosity=np.ones((100, 35))))
-    return SimpleNamespace(case=case, series=series.assign(eta=gauges(wave, time)), surface=surface, fields=fields)
+    return SimpleNamespace(case=case, series=series.assign(eta=gauges(wave, time)))
 
 
 @pytest.mark.parametrize(

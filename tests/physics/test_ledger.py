@@ -65,3 +65,19 @@ def test_gravity_alone_does_its_work():
     assert sim.ledger.energy["advection"] == pytest.approx(-fall, rel=1e-3)
     assert sim.ledger.energy["forces"] + sim.ledger.energy["projection"] == pytest.approx(work, rel=1e-3)
     assert abs(sim.ledger.energy["transfer"]) < 1e-6 * work
+
+
+def test_the_mean_level_counts_no_air_under_overhanging_water():
+    """A slab of water 0.16 m above the pool, over rock and beside it: the air between is no water."""
+    slab = {"box": [[0.1, 0.2], [0.3, 0.26]]}
+    rock = {"name": "rock", "box": [[0.2, 0.0], [0.4, 0.3]], "porosity": 0.5}
+    case = {
+        "case": {"name": "overhang"},
+        "domain": {"size": [0.4, 0.32], "spacing": 0.02},
+        "water": [{"below": 0.04}, slab],
+        "porous": [{**rock, "resistance": {"a": 1.0, "b": 1.0}}],
+        "time": {"end": 1.0},
+    }
+    sim = simulation(case)
+    row = sim.sample()
+    assert float(row["mean_level"]) == pytest.approx(float(row["volume"]) / 0.4, abs=0.1 * 0.02)
