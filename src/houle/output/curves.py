@@ -24,7 +24,7 @@ MOST = 10  # gauges in a picture
 def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
     """What the run conserved and what it cost: energy and who changed it, volume, iterations, time step."""
     energy = "J/m" if grid.dimension == 2 else "J"
-    split = {name: f"energy_{name}" for name in OPERATIONS}
+    split = {name: key for name in OPERATIONS if (key := f"energy_{name}") in series and series[key].values.any()}
     level = {"": 1e3 * (series["mean_level"].values - series["mean_level"].values[0])} if "mean_level" in series else {}
     iterations = {"pressure": "pressure_iterations", "correction": "correction_iterations"}
     panels: list[tuple[str, str, Curves]] = [
