@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
+LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
 
 
 class Flow:
@@ -160,9 +161,10 @@ class Flow:
         self.inertia: FloatArray | None = clear.copy() if self.porous else None
 
     def drop_work(self) -> None:
-        """Empties the work space and gives its memory back."""
+        """Empties the work space; of a large flow gives its memory back, which takes time to get again."""
         self.work = Workspace(self.grid, len(self.particles))
-        _core.return_memory()
+        if len(self.particles) > LARGE:
+            _core.return_memory()
 
     def sample_medium(self) -> None:
         """Porosity, bulk volume and inertia at the present positions."""
