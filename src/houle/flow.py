@@ -187,14 +187,12 @@ class Flow:
             found.append(mean if self.porous else np.broadcast_to(np.float32(1.0), mean.shape))
         return found
 
-    @property
+    @cached_property
     def cell_inertia(self) -> FloatArray:
-        if not hasattr(self, "_cell_inertia"):
-            d = self.grid.dimension
-            faces = enumerate(self.medium.on_faces(0))
-            parts = [0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in faces]
-            self._cell_inertia = np.ascontiguousarray(sum(parts) / d)
-        return self._cell_inertia
+        """Mean of C_r / n of the faces around each cell."""
+        faces = enumerate(self.medium.on_faces(0))
+        parts = [0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in faces]
+        return np.ascontiguousarray(sum(parts) / self.grid.dimension)
 
     def snapshot(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Copies of position, velocity and porosity of the particles."""

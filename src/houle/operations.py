@@ -257,10 +257,11 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     largest = _core.density_excess(
         g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, work.rhs
     )
-    for paddle in flow.paddles:
-        work.rhs[paddle.column] *= paddle.share
+    if flow.paddles:
+        for paddle in flow.paddles:
+            work.rhs[paddle.column] *= paddle.share
+        largest = float(max(work.rhs.max(), -work.rhs.min()))
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)
-    largest = float(max(work.rhs.max(), -work.rhs.min()))
     iterations = work.solver.solve(work.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
     ledger.note(correction_iterations=iterations)
     displacement = work.coefficient

@@ -44,7 +44,7 @@ class Remeshing:
         flow.particles = self.remesher(flow.particles, porosity, flow.nodes)
         for paddle in flow.paddles:
             paddle.from_lattice(flow.particles)
-        flow.refresh_particles()
+        flow.resize_particles()
         flow.sample_medium()
         transfer.renew(flow)
 
