@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,13 @@ class Particles:
     def total_volume(self) -> float:
         """[m^d]"""
         return float(np.sum(self.volume))
+
+    def depths(self, grid: Grid) -> FloatArray:
+        """Water over the plan area of each column of cells, grid.shape[:-1] [m]."""
+        plan = grid.spacing[:-1]
+        bins = [np.arange(n + 1) * h for n, h in zip(grid.shape, plan, strict=False)]
+        held = np.histogramdd(self.position[:, :-1], bins, weights=self.volume)[0]
+        return held / math.prod(plan)
 
 
 def lattice(grid: Grid, per_cell: int = 2) -> FloatArray:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from houle.analysis import Reflection, Scatter
     from houle.case import Case
     from houle.runner import Run
+    from houle.tables.tank import Porous
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
@@ -104,16 +105,21 @@ def theory(case: Case, height: float) -> Scatter | None:
         return None
     flume, body = Flume.of(case), case.porous[0]
     low, high = shape_of(body, case.dimension).bounds
+    wall = abs((high if flume.towards > 0 else low)[0] - flume.wall) < NEAR
+    return block_theory(case, body, wave_of(case).omega, height, wall)
+
+
+def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bool) -> Scatter:
+    """Of an upright block, or one with other grains, for waves of this frequency [rad/s] and incident height [m]."""
+    assert case.waves is not None
+    low, high = shape_of(body, case.dimension).bounds
     a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity)
-    omega, n, width = wave_of(case).omega, body.porosity, float(high[0] - low[0])
-    place: dict[str, Any] = {
-        "inertia": inertia_coefficient(n, body.added_mass),
-        "wall": abs((high if flume.towards > 0 else low)[0] - flume.wall) < NEAR,
-        "gravity": case.fluid.gravity,
-    }
+    n, depth, width = body.porosity, case.waves.depth, float(high[0] - low[0])
+    inertia = inertia_coefficient(n, body.added_mass)
+    more: dict[str, Any] = {"inertia": inertia, "wall": wall, "gravity": case.fluid.gravity}
     if b == 0.0:
-        return analysis.porous_block(omega, waves.depth, width, n, n * a / omega, **place)
-    return analysis.porous_block_lorentz(omega, waves.depth, width, n, height, a, b, **place)
+        return analysis.porous_block(omega, depth, width, n, n * a / omega, **more)
+    return analysis.porous_block_lorentz(omega, depth, width, n, height, a, b, **more)
 
 
 def as_made(case: Case, found: Reflection) -> float:

@@ -103,6 +103,19 @@ def resume(
     return finish(session.restore(checkpoint, done.manifest), until, progress)
 
 
+def once(case: Case, directory: Path, threads: int | None = None, progress: bool = False) -> Run:
+    """The run of this case in this folder: computed, gone on with, or as it lies there finished.
+
+    Raises what run() and resume() raise; CaseError if the folder holds the run of another case.
+    """
+    if not (directory / "run.json").exists() or open_run(directory).case.hash != case.hash:
+        return run(case, directory, threads, progress=progress)
+    try:
+        return resume(directory, threads, progress=progress)
+    except CaseError as error:
+        raise CaseError(f"{error}\nTo compute it anew, remove {directory}") from None
+
+
 def finish(session: Session, until: float | None, progress: bool) -> Run:
     """Marches, then leaves pictures, the score against the laboratory and run.json; prints the summary."""
     from houle import reflection, summary, twin, wave_energy

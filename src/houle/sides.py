@@ -108,13 +108,13 @@ class OpenSide:
     ) -> OpenSide:
         """open_faces: of axis 0; water: at the start. Raises CaseError."""
         far = table.side == "right"
-        near = np.abs(water.position[:, 0] - (grid.size[0] if far else 0.0)) < NEAR * grid.spacing[0]
-        depth = float(water.volume[near].sum()) * grid.shape[0] / (NEAR * math.prod(grid.size[:-1]))
-        depth = max(depth, grid.spacing[-1])
+        depths = water.depths(grid)[-NEAR:] if far else water.depths(grid)[:NEAR]
+        depth = max(float(np.mean(depths)), grid.spacing[-1])
         speed = math.sqrt(max(gravity, 1e-12) * depth)
         response = table.response or CROSSINGS * grid.size[0] / speed
         known = records(table, folder)
         side = cls(far, known, table.ramp, response, gravity, grid, open_faces[-1 if far else 0].copy())
+        near = np.abs(water.position[:, 0] - side.x) < NEAR * grid.spacing[0]
         if near.any():
             side.follows = side.sign * float(np.average(water.velocity[near, 0], weights=water.volume[near]))
         return side

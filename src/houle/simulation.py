@@ -150,12 +150,9 @@ class Simulation:
 
     def _depths(self) -> FloatArray:
         """Of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""
-        grid, p = self.grid, self.particles
-        shape, plan = grid.shape[:-1], grid.spacing[:-1]
-        bins = [np.arange(n + 1) * h for n, h in zip(shape, plan, strict=True)]
-        held = np.histogramdd(p.position[:, :-1], bins, weights=p.volume)[0] / math.prod(plan)
-        padded = np.concatenate([held[:1], held, held[-1:]])
-        return np.maximum(0.5 * (padded[:-1] + padded[1:]), grid.spacing[-1])
+        depths = self.particles.depths(self.grid)
+        padded = np.concatenate([depths[:1], depths, depths[-1:]])
+        return np.maximum(0.5 * (padded[:-1] + padded[1:]), self.grid.spacing[-1])
 
     def _add_piston(self, table: Waves, piston: Piston, wave: Wave) -> None:
         rest = self.grid.nearest_face(piston.x)
@@ -167,18 +164,10 @@ class Simulation:
         """Walls that absorb what reaches them: by the depth of the water there."""
         for table in self.case.absorber:
             rest, water = self.grid.nearest_face(table.x), 1 if table.side == "left" else -1
-            read = reading_of(self.wave, self._depth_at(rest, water), self.case.fluid.gravity, table.period)
+            column = round(rest / self.grid.spacing[0]) + min(water, 0)
+            depth = float(np.mean(self.particles.depths(self.grid)[column]))
+            read = reading_of(self.wave, depth, self.case.fluid.gravity, table.period)
             Paddle(table.name, rest, water, Drive(None, read, self.flow, True), self.flow)
-
-    def _depth_at(self, x: float, water: int) -> float:
-        """Of the still water [m] in the cell beside a face."""
-        position, h = self.particles.position[:, 0], self.grid.spacing[0]
-        beside = (water * (position - x) > 0) & (water * (position - x) < h)
-        return (
-            float(np.sum(self.particles.volume[beside]))
-            / (self.grid.cell_volume / self.grid.spacing[-1])
-            / (self.grid.shape[1] if self.grid.dimension == 3 else 1)
-        )
 
     # ---- marching ------------------------------------------------------------------------------------------------
 

@@ -234,12 +234,12 @@ def test_unknown_case_is_refused_before_anything_runs():
 def test_exit_status_follows_the_checks(monkeypatch, value, status):
     judged = engine.Comparison(lambda run: [Check("it", value, limit=1.0)], (Variant(),))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "run", lambda case, **_: SimpleNamespace(case=case))
+    monkeypatch.setattr(houle.runner, "once", lambda case, *_: SimpleNamespace(case=case))
     assert validate(["standing-wave"], console=quiet()) == status
 
 
 def test_a_failed_run_is_a_line_of_the_table_and_the_others_go_on(monkeypatch, tmp_path):
-    def run(case, out, threads):
+    def once(case, out, threads):
         if case.domain.spacing > 0.005:
             raise SimulationError("the pressure did not converge")
         return SimpleNamespace(case=case)
@@ -249,7 +249,7 @@ def test_a_failed_run_is_a_line_of_the_table_and_the_others_go_on(monkeypatch, t
         (Variant("coarse", {"domain.spacing": 0.02}), Variant()),
     )
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "run", run)
+    monkeypatch.setattr(houle.runner, "once", once)
     console = Console(record=True, width=160)
     assert validate(["porous-column"], out=tmp_path, console=console) == 1
     text = console.export_text()
@@ -260,7 +260,7 @@ def test_quick_leaves_out_what_is_not(monkeypatch):
     ran = []
     judged = engine.Comparison(lambda run: [], (Variant("slow", quick=False), Variant("fast")))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "run", lambda case, out, threads: ran.append(out.name))
+    monkeypatch.setattr(houle.runner, "once", lambda case, out, threads: ran.append(out.name))
     assert validate(["porous-column"], quick=True, console=quiet()) == 0
     assert ran == ["porous-column-fast"]
 
@@ -269,7 +269,7 @@ def test_variants_are_chosen_by_pattern_and_an_unknown_one_is_refused(monkeypatc
     ran = []
     judged = engine.Comparison(lambda run: [], tuple(map(Variant, ("", "T-1-s", "T-2-s", "T-2-s-wall"))))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "run", lambda case, out, threads: ran.append(out.name))
+    monkeypatch.setattr(houle.runner, "once", lambda case, out, threads: ran.append(out.name))
     assert validate(["porous-column"], variants=["T-2-*", ""], console=quiet()) == 0
     assert ran == ["porous-column", "porous-column-T-2-s", "porous-column-T-2-s-wall"]
     with pytest.raises(CaseError, match=r"T-3-.*There are: T-1-s"):

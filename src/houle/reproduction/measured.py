@@ -15,7 +15,6 @@ from houle import analysis, laboratory, reflection
 from houle.csv_table import read_columns
 from houle.grid import FloatArray
 from houle.reproduction.plan import Job
-from houle.resistance import coefficients, inertia_coefficient
 from houle.runner import Run
 
 TABLE = "table1.csv"
@@ -241,12 +240,5 @@ def gather(folder: Path, jobs: Sequence[Job], runs: Mapping[str, Run]) -> Found:
 
 def lorentz(run: Run, period: float, diameter: float, height: float) -> float:
     """C_R of linear theory for the upright block of a run with another period [s], grains and height [m]."""
-    case, body = run.case, run.case.porous[0]
-    assert case.waves is not None and body.box is not None
-    (x0, _), (x1, _) = body.box
-    a, b = coefficients(body.resistance, body.porosity, diameter, case.fluid.viscosity)
-    found = analysis.porous_block_lorentz(
-        2 * np.pi / period, case.waves.depth, x1 - x0, body.porosity, height, a, b,
-        inertia=inertia_coefficient(body.porosity, body.added_mass), wall=True, gravity=case.fluid.gravity,
-    )  # fmt: skip
-    return found.C_R
+    body = run.case.porous[0].model_copy(update={"grain_diameter": diameter})
+    return reflection.block_theory(run.case, body, 2 * np.pi / period, height, wall=True).C_R

@@ -51,7 +51,7 @@ def _version(number: str) -> str:
 def _state(done: Done, quick: bool) -> str:
     words = ["These are the coarse runs of `--quick`."] if quick else []
     words += [f"Failed: {name}: {why}." for name, why in done.failed.items()]
-    return " ".join(words)
+    return "".join(f" {word}" for word in words)
 
 
 def _figures(file: Path, paper: str, found: Found, curves: dict[float, list[tuple[float, float]]]) -> dict[str, str]:

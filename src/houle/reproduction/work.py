@@ -8,11 +8,11 @@ from pathlib import Path
 from time import perf_counter
 
 from houle.case import Case
-from houle.errors import CaseError, SimulationError
+from houle.errors import SimulationError
 from houle.preflight import price
 from houle.progress import Silent, duration
 from houle.reproduction.plan import Job
-from houle.runner import Run, open_run, resume, run
+from houle.runner import Run, once, open_run
 
 RUNS = "runs"
 
@@ -46,7 +46,7 @@ def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, threads: int | None,
         says.say(f"houle: {head}, spacing {1e3 * case.domain.spacing:g} mm{rest}")
         start = perf_counter()
         try:
-            done.runs[job.name] = one(case, place, threads, progress)
+            done.runs[job.name] = once(case, place, threads, progress)
         except SimulationError as error:
             says.say(f"warning: {job.name} failed: {error}")
             done.failed[job.name] = str(error).splitlines()[0]
@@ -57,13 +57,3 @@ def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, threads: int | None,
 
 def finished(place: Path) -> bool:
     return (place / "run.json").exists() and bool(open_run(place).manifest["finished"])
-
-
-def one(case: Case, place: Path, threads: int | None, progress: bool) -> Run:
-    """The run in this folder, from its newest checkpoint if there is one."""
-    if (place / "run.json").exists():
-        try:
-            return resume(place, threads=threads, progress=progress)
-        except CaseError as error:
-            raise CaseError(f"{error}\nTo compute it anew, remove {place}") from None
-    return run(case, out=place, threads=threads, progress=progress)

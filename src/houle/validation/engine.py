@@ -127,13 +127,10 @@ def _results(
 
 def _run(name: str, variant: Variant, folder: Path, threads: int | None) -> Run:
     """The run of a variant in its folder: computed, gone on with, or as it was left there by the same case."""
-    from houle.runner import holds_run, open_run, resume, run
+    from houle.runner import once
 
     case = load(name, overrides=dict(variant.overrides))
-    directory = folder / "-".join(filter(None, (name, variant.name)))
-    if holds_run(directory) and open_run(directory).case.hash == case.hash:
-        return resume(directory, threads=threads)
-    return run(case, out=directory, threads=threads)
+    return once(case, folder / "-".join(filter(None, (name, variant.name))), threads)
 
 
 def _table(name: str) -> Table:

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle import analysis, reflection
+from houle import reflection
 from houle.grid import FloatArray
 from houle.reflection import first_harmonic, wave_of
 from houle.validation.check import Check, Variant, report
-from houle.validation.flume import PERIODS, empty, one_sided, two_sided, wall
+from houle.validation.flume import empty, one_sided, two_sided, wall
 from houle.validation.measure import largest
+from houle.validation.waves import card, second_harmonic, window
 
 if TYPE_CHECKING:
     from houle.runner import Run
@@ -62,17 +63,17 @@ def _at_wall(run: Run) -> list[Check]:
 
 def _travelling(run: Run) -> list[Check]:
     """Waves that have left the maker to the right."""
-    wave, card = wave_of(run.case), _card(run, [gauge.name for gauge in run.case.gauge], 1.0)
+    wave, found = wave_of(run.case), card(run)
     fine, steep = run.case.domain.spacing < 0.011, wave.height > 0.05
     return [
-        Check("height over the target", 100 * abs(card.height / card.target - 1), "%", HEIGHT),
-        Check("decay per wavelength", 100 * card.decay, "%", DECAY if fine and not steep else None),
-        Check("celerity off Fenton", 100 * abs(card.celerity), "%", CELERITY if not steep else None),
+        Check("height over the target", 100 * abs(found.height / found.target - 1), "%", HEIGHT),
+        Check("decay per wavelength", 100 * found.decay, "%", DECAY if fine and not steep else None),
+        Check("celerity off Fenton", 100 * abs(found.celerity), "%", CELERITY if not steep else None),
         Check("rms distance from Fenton, of H", 100 * _shape_error(run, wave), "%", SHAPE, note="phase fitted"),
         *_second_harmonic(run, wave),
-        Check("reflection of the sponge", 100 * card.reflection, "%", SPURIOUS),
-        Check("mean level, drift in the window", 1e3 * abs(card.drift), "mm", LEVEL if not steep else None),
-        report("mean level off still water", 1e3 * card.set_down, "mm"),
+        Check("reflection of the sponge", 100 * found.reflection, "%", SPURIOUS),
+        Check("mean level, drift in the window", 1e3 * abs(found.drift), "mm", LEVEL if not steep else None),
+        report("mean level off still water", 1e3 * found.set_down, "mm"),
         Check("energy lost in numbers, per wavelength", 100 * _lost(run), "%", LOSS),
     ]
 
@@ -80,8 +81,8 @@ def _travelling(run: Run) -> list[Check]:
 def _from_source(run: Run) -> list[Check]:
     """Waves to both sides."""
     names = [gauge.name for gauge in run.case.gauge]
-    right = _card(run, [n for n in names if n.startswith("R")], 1.0)
-    left = _card(run, [n for n in names if n.startswith("L")], -1.0)
+    right = card(run, [n for n in names if n.startswith("R")], 1.0)
+    left = card(run, [n for n in names if n.startswith("L")], -1.0)
     return [
         Check("height to the right over the target", 100 * abs(right.height / right.target - 1), "%", HEIGHT),
         Check("height to the left over the target", 100 * abs(left.height / left.target - 1), "%", HEIGHT),
@@ -93,32 +94,9 @@ def _from_source(run: Run) -> list[Check]:
     ]
 
 
-def _window(run: Run, wave: Wave) -> tuple[float, float]:
-    """The last periods [s]."""
-    end = float(run.series.time[-1])
-    return end - PERIODS * wave.period - 0.01 * wave.period, end
-
-
-def _card(run: Run, gauges: list[str], towards: float) -> analysis.QualityCard:
-    wave, case = wave_of(run.case), run.case
-    assert case.waves is not None
-    return analysis.quality_card(
-        run,
-        depth=case.waves.depth,
-        period=wave.period,
-        height=first_harmonic(wave),
-        window=_window(run, wave),
-        still_water=case.waves.depth,
-        reference=wave.k,
-        gauges=gauges,
-        towards=towards,
-    )
-
-
 def _shape_error(run: Run, wave: Wave) -> float:
     """rms between levels and theory over gauges and window, of the height; one shift in time for all gauges."""
-    start, end = _window(run, wave)
-    late = run.series.sel(time=slice(start, end))
+    late = run.series.sel(time=slice(*window(run)))
     eta: FloatArray = late.eta.transpose("gauge", "time").values - wave.depth
     x, time = late.gauge_x.values[:, None], late.time.values[None, :]
 
@@ -130,20 +108,10 @@ def _shape_error(run: Run, wave: Wave) -> float:
 
 
 def _second_harmonic(run: Run, wave: Wave) -> list[Check]:
-    """Amplitudes of the part that is bound to the first, running with it, and of free waves of twice the frequency.
-
-    Free waves to the left are left out: with five gauges to a wavelength, they look like the bound ones.
-    """
     parts = wave.components()
     if parts is None or len(parts.k) < 2:
         return []
-    start, end = _window(run, wave)
-    late = run.series.sel(time=slice(start, end))
-    eta, x = late.eta.transpose("gauge", "time").values, late.gauge_x.values
-    second = analysis.harmonics(late.time.values, eta, wave.omega, 3)[:, 2]
-    free = float(analysis.wave_number(2 * wave.omega, wave.depth))
-    waves = np.exp(1j * np.outer(x, [2 * wave.k, free]))
-    bound, along = np.abs(np.linalg.lstsq(waves, second, rcond=None)[0]) / wave.height
+    bound, along = second_harmonic(run, back=False) / wave.height
     exact = 100 * parts.amplitude[1] / wave.height
     return [
         report("bound second harmonic, of H", 100 * bound, "%", note=f"Fenton {exact:.2f}"),

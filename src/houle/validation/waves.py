@@ -1,0 +1,52 @@
+"""What the comparisons of flumes with waves have in common: the window, the quality card, the second harmonic."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from houle import analysis
+from houle.grid import FloatArray
+from houle.reflection import first_harmonic, wave_of
+from houle.validation.flume import PERIODS
+
+if TYPE_CHECKING:
+    from houle.runner import Run
+
+
+def window(run: Run) -> tuple[float, float]:
+    """The last periods [s]."""
+    end, period = float(run.series.time[-1]), wave_of(run.case).period
+    return end - PERIODS * period - 0.01 * period, end
+
+
+def card(run: Run, gauges: Sequence[str] | None = None, towards: float = 1.0) -> analysis.QualityCard:
+    """Of the waves towards +1 or -1 at these gauges, all if left out, beside their theory."""
+    wave, case = wave_of(run.case), run.case
+    assert case.waves is not None
+    return analysis.quality_card(
+        run,
+        depth=case.waves.depth,
+        period=wave.period,
+        height=first_harmonic(wave),
+        window=window(run),
+        still_water=case.waves.depth,
+        reference=wave.k,
+        gauges=gauges,
+        towards=towards,
+    )
+
+
+def second_harmonic(run: Run, back: bool) -> FloatArray:
+    """Amplitudes [m] of the part bound to the first harmonic, of free waves of twice the frequency to the right and,
+    if asked for, to the left. The last look like bound ones where gauges stand evenly, five to a wavelength.
+    """
+    wave = wave_of(run.case)
+    late = run.series.sel(time=slice(*window(run)))
+    eta, x = late.eta.transpose("gauge", "time").values, late.gauge_x.values
+    second = analysis.harmonics(late.time.values, eta, wave.omega, 3)[:, 2]
+    free = float(analysis.wave_number(2 * wave.omega, wave.depth))
+    modes = np.exp(1j * np.outer(x, [2 * wave.k, free, -free][: 3 if back else 2]))
+    return np.abs(np.linalg.lstsq(modes, second, rcond=None)[0])
