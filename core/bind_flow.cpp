@@ -1,8 +1,10 @@
-// Bindings of surface.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving particles.
+// Bindings of surface.hpp, wetted.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving
+// particles.
 #include "advect.hpp"
 #include "bind.hpp"
 #include "energy.hpp"
 #include "viscous.hpp"
+#include "wetted.hpp"
 
 namespace houle {
 
@@ -111,6 +113,17 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "fill"_a, "open"_a, "level"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
+  m.def(
+      "wetted",
+      [](G g, Field depth, Field open, Array<std::int64_t> column, Field share) {
+        const index count = static_cast<index>(column.size());
+        require_cells(g, depth.size(), "depth");
+        require_cells(g, open.size(), "open");
+        require_size(share.size(), count * g.shape[D - 1], "share");
+        nb::gil_scoped_release release;
+        wetted<D>(g, depth.data(), open.data(), count, column.data(), share.data());
+      },
+      "grid"_a, "depth"_a, "open"_a, "column"_a, "share"_a, "Share of the cells of the listed columns under water.");
   m.def(
       "apply_forces",
       [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalField inverse_n2,

@@ -210,6 +210,40 @@ def column_heights(grid, position, volume):
     return height
 
 
+def wetted(grid, depth, open_cells, columns, samples=40):
+    """Share of each cell of the columns with depth > 0: half cells by the plane through their corners, on a lattice."""
+    d = grid.dimension
+    at = (np.arange(samples) + 0.5) / samples - 0.5
+    share = np.zeros((len(columns), grid.shape[-1]))
+
+    def value(*i):
+        i = [fold(j, n, False, p)[0] for j, n, p in zip(i[:-1], grid.shape, grid.periodic, strict=False)] + [i[-1]]
+        i[-1] = min(i[-1], grid.shape[-1] - 1)
+        if i[-1] >= 0 and open_cells[tuple(i)] > 0.0:
+            return depth[tuple(i)]
+        above = [depth[(*i[:-1], k)] if k < grid.shape[-1] else -1.0 for k in (i[-1] + 1, i[-1] + 2)]
+        return above[0] + min(max(above[0] - above[1], 0.0), 1.0) if i[-1] + 1 < grid.shape[-1] else 0.0
+
+    for n, k in np.ndindex(*share.shape):
+        cell = (*np.unravel_index(columns[n], grid.shape[:-1]), k)
+        around = np.array([value(*np.add(cell, o)) for o in itertools.product((-1, 0, 1), repeat=d)]).reshape((3,) * d)
+        if (around >= 0).all() or (around < 0).all():
+            share[n, k] = float(around.flat[0] >= 0)
+            continue
+        for a in range(d):  # to the corners of the half cells
+            low, middle, high = np.moveaxis(around, a, 0)
+            around = np.stack([(low + middle) / 2, middle, (middle + high) / 2], axis=a)
+        for part in itertools.product((0, 1), repeat=d):
+            corner = around[tuple(slice(p, p + 2) for p in part)]
+            slope = [float(np.mean(np.diff(corner, axis=a))) for a in range(d)]
+            across = int(np.argmax(np.abs(slope)))
+            others = np.meshgrid(*([at] * (d - 1)), indexing="ij")
+            rest = corner.mean() + sum(s * o for s, o in zip(np.delete(slope, across), others, strict=True))
+            steep = max(abs(slope[across]), 1e-12)
+            share[n, k] += np.mean(np.clip(0.5 + rest / steep, 0.0, 1.0)) / 2**d
+    return share
+
+
 def surface_fraction(d_water, d_air, least):
     """Share of the way from the water's centre to its air neighbour's at which the surface lies."""
     depth = max(least, d_water)

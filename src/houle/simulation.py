@@ -21,7 +21,7 @@ from houle.geometry import shape_of
 from houle.grid import FloatArray
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, at_points
-from houle.observe.profile import wet_share
+from houle.observe.wetted import wetted, without_level
 from houle.operations import arrange, prepare
 from houle.paddle import Paddle, place
 from houle.particles import Particles
@@ -308,10 +308,9 @@ class Simulation:
         return {k: np.asarray(v, float) for k, v in row.items()}
 
     def _mean_level(self) -> float:
-        """Where the surface overhangs, a column has several levels: there the cells under water count, and no air."""
-        several = np.isnan(self.flow.column)
-        wet = wet_share(self.flow, np.nonzero(several))
-        return self._room.mean_level(self.flow.eta, self._room_along(), (several, wet))
+        """Where the surface overhangs or is steep, a column has no single level: there what it encloses counts."""
+        several = without_level(self.flow)
+        return self._room.mean_level(self.flow.eta, self._room_along(), (several, wetted(self.flow, several)))
 
     def _potential_energy(self) -> float:
         """Of waves that of the levels: how the particles are packed does not count; else that of the particles."""

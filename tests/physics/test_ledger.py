@@ -81,3 +81,16 @@ def test_the_mean_level_counts_no_air_under_overhanging_water():
     sim = simulation(case)
     row = sim.sample()
     assert float(row["mean_level"]) == pytest.approx(float(row["volume"]) / 0.4, abs=0.1 * 0.02)
+
+
+@pytest.mark.parametrize("front", [0.16, 0.1672, 0.17, 0.1749])
+def test_the_mean_level_of_a_column_does_not_depend_on_where_in_a_cell_its_front_stands(front):
+    """Water 0.3 m high and one cell in thirty too wide would raise the level by 15 mm x 0.3 / 0.6."""
+    case = {
+        "case": {"name": "front"},
+        "domain": {"size": [0.6, 0.4], "spacing": 0.02},
+        "water": [{"box": [[0.0, 0.0], [front, 0.3]]}, {"below": 0.03}],
+        "time": {"end": 1.0},
+    }
+    row = simulation(case).sample()
+    assert float(row["mean_level"]) == pytest.approx(float(row["volume"]) / 0.6, abs=0.01 * 0.02)
