@@ -146,13 +146,12 @@ def colour_bar(page: Sheet, marks: Any, words: str) -> None:
     """A slim bar under the panels."""
     width, height = page.figure.get_size_inches()
     first = page.panels[0].get_position()
-    bar = page.figure.add_axes((first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height))
+    place = (first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height)
+    bar = page.figure.add_axes(place, axes_class=drawing.Panel)
     low, high = marks.get_clim()
     bar.imshow(np.linspace(low, high, 256)[None], cmap=marks.cmap, extent=(low, high, 0.0, 1.0), aspect="auto")
-    bar.set_yticks([])
     bar.set_frame_on(False)
-    bar.tick_params(length=2)
-    bar.locator_params(axis="x", nbins=6)
+    drawing.scale(bar, sideways=False, numbers=True, most=6)
     bar.text(1.03, 0.5, words, transform=bar.transAxes, va="center")
 
 
