@@ -98,6 +98,32 @@ def test_lowest_water_is_the_underside_of_the_lowest_particle():
     assert measure.lowest_water(position, volume, porosity, 0.1) == pytest.approx(0.25)
 
 
+def test_water_left_of_counts_squares_cut_by_the_line_and_their_pores():
+    frame = SimpleNamespace(
+        position=np.array([[0.5, 0.1], [2.0, 0.1]]), volume=np.array([1.0, 0.5]), porosity=np.array([1.0, 0.5])
+    )
+    assert measure.water_left_of(np.array([0.0, 0.25, 1.0, 2.0, 3.0]), frame) == pytest.approx([0, 0.25, 1, 1.25, 1.5])
+
+
+def test_order_of_the_dam_break_is_that_of_water_which_comes_to_its_place_with_the_spacing():
+    """A slope of the water shifted by an error that falls fourfold: order 2, in depth and in place."""
+    runs = {}
+    for name, shift in {"dx-10-mm": 0.016, "": 0.004, "dx-2.5-mm": 0.001}.items():
+        x = np.linspace(0.0, 0.892, 100_001)[1:-1]
+        depth = 0.2 + 0.1 * np.cos(np.pi * (x + shift) / 0.892)
+        frame = SimpleNamespace(
+            position=np.stack([x, 0 * x], axis=1), volume=depth * (x[1] - x[0]), porosity=np.full(len(x), 1e6)
+        )
+        fields = SimpleNamespace(nearest=lambda t: 0, frame=lambda i, frame=frame: frame)
+        runs[name] = SimpleNamespace(fields=fields)
+    found = {c.name: c for c in comparison("dam-break-rock-35").across(runs)}
+    orders = [c.value for name, c in found.items() if name.startswith("order")]
+    assert len(orders) == 4 and orders == pytest.approx([2.0] * 4, abs=0.05)
+    assert found["order of convergence, water depth"].kind == "min"
+    del runs["dx-2.5-mm"]
+    assert comparison("dam-break-rock-35").across(runs) == []
+
+
 def test_fundamental_of_a_pure_wave_with_other_modes_and_a_level():
     time = np.linspace(0.0, 1.0, 11)
     wave = 0.02 * np.cos(3.0 * time)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from houle.frame import Frame
 from houle.grid import FloatArray
-from houle.laboratory import level
 from houle.validation.check import Check
 
 if TYPE_CHECKING:
@@ -28,9 +28,11 @@ def at_time(data: xr.DataArray, time: float) -> xr.DataArray:
     return data.sel(time=time, method="nearest", tolerance=5e-4)
 
 
-def profile_distance(one: xr.Dataset, other: xr.Dataset, times: Sequence[float], x: FloatArray) -> float:
-    """Root mean square [m] between the surfaces of two runs at the same places and times."""
-    return rms(np.concatenate([level(one, t, x) - level(other, t, x) for t in times]))
+def water_left_of(x: FloatArray, frame: Frame) -> FloatArray:
+    """Water [m2] (N,) to the left of the places x (N,) [m], from the particles: squares of bulk volume V / n (2D)."""
+    side = np.sqrt(frame.volume / frame.porosity)
+    share = (np.asarray(x)[:, None] - frame.position[:, 0] + side / 2) / side
+    return np.clip(share, 0.0, 1.0) @ frame.volume
 
 
 def rms(values: FloatArray) -> float:
