@@ -22,8 +22,8 @@ from houle.waves.wave import Components, Wave, WaveError, ramp
 
 NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
 WIDTH = {True: 1.0, False: 0.25}  # of a source for regular waves, for a spectrum with its short waves, in wavelengths
-FIRMNESS = 3.0  # of a zone, in the strength of a sponge: softer, the wave is too low; firmer, more comes back
-LEFT_OVER = 0.01  # of the amplitude of a wave that went through a sponge and back
+FIRM, HARD = 2.0, 8.0  # of a zone where it begins to damp, in the strength of a sponge; and at the wall, in that
+LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
 
 
 class Maker(Protocol):
@@ -144,30 +144,32 @@ def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatA
 class RelaxationZone:
     """The flow is led towards the wave, the harder the further in: du/dt = ... + sigma (u_wave - u).
 
-    What comes back from the structure is damped on its way in; sigma grows with the cube of the way over two thirds of
-    the zone, gently enough to send little back. Where the zone begins at a wall, the wave of theory
-    would cross it: over the first part the wave grows from nothing, so that the water it needs comes from the level
-    there. An open side lets it pass.
+    What comes back from the structure is damped on its way in, by a sigma that grows gently enough to send little back.
+    Where the zone begins at a wall, the wave of theory would cross it: over the first third the wave grows from
+    nothing, so that the water it needs comes from the level there, and sigma grows faster, so that the flow follows. An
+    open side lets the wave pass. The vertical velocity is what continuity asks for.
 
-    first, last   faces of axis 0 and cells it covers (slices)
+    faces, cells  of axis 0, those it covers
     """
 
     wave: Wave
     faces: slice
     cells: slice
-    x: tuple[FloatArray, FloatArray]  # of the faces of axis 0, of the cell centres [m]
-    z: tuple[FloatArray, FloatArray]  # of the centres and of the faces of the last axis [m]
+    x: FloatArray  # of the faces of axis 0 [m]
+    z: FloatArray  # of the centres along the last axis [m]
+    steep: float  # spacing of the last axis over that of axis 0
     sigma: tuple[FloatArray, FloatArray]  # on faces and centres [1/s]
-    share: tuple[FloatArray, FloatArray]  # of the wave, 0 at a wall
+    share: FloatArray  # of the wave, on faces, 0 at a wall
     duration: float
     up: int  # the last axis
 
     def push(self, t: float, acceleration: Faces) -> None:
         grown = float(ramp(t, self.duration))
-        u, w = self.wave.along_on(self.x[0], self.z[0], t), self.wave.up_on(self.x[1], self.z[1], t)
+        u = self.share[:, None] * self.wave.along_on(self.x, self.z, t)
+        w = np.pad(np.cumsum(u[:-1] - u[1:], axis=1), ((0, 0), (1, 0))) * self.steep
         pairs = ((0, self.faces, u), (len(acceleration) - 1, self.cells, w))
-        for (axis, where, velocity), sigma, share in zip(pairs, self.sigma, self.share, strict=True):
-            force = (grown * sigma * share)[:, None] * velocity
+        for (axis, where, velocity), sigma in zip(pairs, self.sigma, strict=True):
+            force = (grown * sigma)[:, None] * velocity
             acceleration[axis][where] += force[:, None, :] if acceleration[axis].ndim == 3 else force
 
     def touches(self) -> dict[int, slice]:
@@ -182,15 +184,14 @@ class RelaxationZone:
         faces = slice(max(0, round(start / h)), min(n, round(end / h)) + 1)
         cells = slice(faces.start, faces.stop - 1)
         x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
-        most = FIRMNESS * damping(wave.group_velocity, 2 * (end - start) / 3)
+        firm = FIRM * damping(wave.group_velocity, end - start)
         inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its start
-        at_faces, at_centres = (most * np.clip(1.5 * s, 0, 1) ** 3 for s in inwards)
-        grown_faces, grown_centres = (smooth(3 * (1 - s)) if wall else np.ones_like(s) for s in inwards)
+        at_faces, at_centres = (firm * (s**2 + HARD * s**6) for s in inwards)
         up = grid.dimension - 1
         return cls(
-            wave, faces, cells, x, (grid.axis_points(up), grid.axis_points(up, on_faces=True)),
+            wave, faces, cells, x[0], grid.axis_points(up), grid.spacing[up] / h,
             sigma=(at_faces, at_centres),
-            share=(grown_faces, grown_centres),
+            share=smooth(3 * (1 - inwards[0])) if wall else np.ones(len(x[0])),
             duration=duration, up=up,
         )  # fmt: skip
 
