@@ -23,6 +23,7 @@ from houle.errors import CaseError
 from houle.layout import Finding, Section, axes
 from houle.open_checks import open_sides_fit
 from houle.paddle_checks import paddles_fit
+from houle.viscosity import longest_step
 from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
@@ -263,6 +264,12 @@ def times(s: Section) -> Iterator[Finding]:
             f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m a step: below 1 is "
             f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
         )
+    nu = s.case.fluid.viscosity
+    nu = s.case.fluid.viscosity
+    viscous = longest_step(s.grid, nu, s.case.numerics.scheme == "jh2020")
+    if t.step is not None and t.step > viscous:
+        text = f"= {t.step:g} s is unstable with fluid.viscosity = {nu:g} m2/s: at most {0.99 * viscous:.3g}"
+        yield Finding("error", "time.step", f"{text}, or courant = 0.5, which finds it")
 
 
 def expected_speed(s: Section) -> float:

@@ -19,7 +19,7 @@ from houle.porous import Medium
 from houle.remesh import EVERYWHERE
 from houle.seeding import seed_slabs
 from houle.sides import OpenSide
-from houle.viscosity import Smoothing
+from houle.viscosity import REACH, Smoothing
 from houle.waves.makers import Maker
 from houle.workspace import Workspace
 
@@ -116,7 +116,7 @@ class Flow:
     def smoothing(self) -> Smoothing:
         """Sums over neighbouring particles, within two cells."""
         walls = tuple("no-slip" if side else "slip" for side in self.no_slip)
-        return Smoothing(self.grid, walls, 2.0 * max(self.grid.spacing))
+        return Smoothing(self.grid, walls, REACH * max(self.grid.spacing))
 
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.

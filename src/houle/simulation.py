@@ -36,6 +36,7 @@ from houle.step import STEPS
 from houle.tables.control import WAVE_SHARE
 from houle.tables.tank import Porous
 from houle.transfer import make
+from houle.viscosity import longest_step
 from houle.waves.makers import Stream, damping, make_maker
 from houle.waves.piston import law_of, reading_of
 from houle.waves.sponge import resist, way_length
@@ -58,6 +59,7 @@ class Simulation:
         self.case, self.grid = case, case.domain.grid
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0
+        self.viscous_step = longest_step(self.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020")
         self._build(first_rows(case))
         self.ledger = Ledger(self.flow)
         prepare(self.flow, self.step.transfer, self.ledger)
@@ -203,7 +205,9 @@ class Simulation:
             self.restore({k: raised(v, more) if k.startswith(GRID_STATE) else v for k, v in state.items()})
 
     def _largest_step(self) -> float:
-        """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold."""
+        """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold.
+        And viscosity, which is explicit, stays stable: of no account in water.
+        """
         case = self.case.time
         gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
         if case.step is not None:
@@ -216,7 +220,8 @@ class Simulation:
                 )
             return case.step
         fastest = max(self.flow.courant(1.0), 1e-300)
-        return case.courant * min(1.0 / fastest, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
+        crossed = min(1.0 / fastest, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
+        return min(case.courant * crossed, self.viscous_step)
 
     def _place_gates(self) -> None:
         """Closes the faces that the gates cover at the present time."""

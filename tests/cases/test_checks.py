@@ -106,6 +106,10 @@ ERRORS = {
         {"solid": [{"box": [[0.8, 0.0], [1.0, 0.5]]}], "sensor": [{"at": [0.9, 0.1]}]},
         ["sensor.P1.at = [0.9, 0.1]", "solid.solid-1"],
     ),
+    "step too long for the viscosity": (
+        {"fluid": {"viscosity": 0.01}, "time": {"end": 1.0, "step": 0.004}},
+        ["time.step = 0.004 s", "fluid.viscosity = 0.01", "at most 0.00124"],
+    ),
     "gate outside": ({"gate": [{"x": 1.3, "speed": 1.0}]}, ["gate[0].x = 1.3", "0 < x < 1 m"]),
 }
 

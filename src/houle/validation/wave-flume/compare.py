@@ -74,7 +74,7 @@ def _travelling(run: Run) -> list[Check]:
         Check("reflection of the sponge", 100 * found.reflection, "%", SPURIOUS),
         Check("mean level, drift in the window", 1e3 * abs(found.drift), "mm", LEVEL if not steep else None),
         report("mean level off still water", 1e3 * found.set_down, "mm"),
-        Check("energy lost in numbers, per wavelength", 100 * _lost(run), "%", LOSS),
+        Check("energy lost in numbers, per wavelength", 100 * abs(_lost(run)), "%", LOSS),
     ]
 
 
@@ -87,7 +87,7 @@ def _from_source(run: Run) -> list[Check]:
         Check("height to the right over the target", 100 * abs(right.height / right.target - 1), "%", HEIGHT),
         Check("height to the left over the target", 100 * abs(left.height / left.target - 1), "%", HEIGHT),
         Check("left over right", 100 * abs(left.height / right.height - 1), "%", SIDES),
-        Check("energy lost in numbers, per wavelength", 100 * _lost(run), "%", LOSS),
+        Check("energy lost in numbers, per wavelength", 100 * abs(_lost(run)), "%", LOSS),
         Check("reflection of the right sponge", 100 * right.reflection, "%", SPURIOUS),
         Check("reflection of the left sponge", 100 * left.reflection, "%", SPURIOUS),
         Check("mean level, drift in the window", 1e3 * max(abs(right.drift), abs(left.drift)), "mm", LEVEL),
