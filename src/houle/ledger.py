@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
+from weakref import ref
 
 if TYPE_CHECKING:
     from houle.flow import Flow
@@ -35,6 +36,7 @@ class Ledger:
         self.open_work = 0.0  # of the pressure at open sides
         self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
         self.on_grid = False
+        self.counted = ref(flow.particles)  # at the last operation; remeshing puts others in their place
 
     @contextmanager
     def operation(self, name: str) -> Iterator[None]:
@@ -54,6 +56,8 @@ class Ledger:
 
     def _book(self, name: str) -> None:
         flow = self.flow
+        if (name == "exchange" and not flow.sides) or (name == "remeshing" and self.counted() is flow.particles):
+            return  # nothing was done
         kinetic, potential = self.kinetic, self.potential
         if name == "transfer":
             self.on_grid = not self.on_grid
@@ -64,7 +68,7 @@ class Ledger:
             if name in ("exchange", "remeshing"):
                 kinetic = flow.kinetic_energy()
         self.energy[name] += kinetic + potential - self.kinetic - self.potential
-        self.kinetic, self.potential = kinetic, potential
+        self.kinetic, self.potential, self.counted = kinetic, potential, ref(flow.particles)
 
     def open(self) -> None:
         """At the start of a step."""
