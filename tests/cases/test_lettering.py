@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 from PIL import Image
 
-from houle.output.drawing import Panel
+from houle.output.drawing import Panel, scale
 from houle.output.lettering import Canvas
 from houle.output.png import png
 
@@ -59,6 +59,25 @@ def test_a_panel_is_axes_without_ticks():
 def panel_has_ticks(kind):
     panel = Figure().add_axes((0, 0, 1, 1), axes_class=kind)
     return any("majorTicks" in vars(axis) for axis in (panel.xaxis, panel.yaxis))
+
+
+def test_numbers_stand_in_the_middle_of_their_ticks():
+    drawn = []
+    for numbers in (False, True):
+        figure = Figure(figsize=(2.0, 2.0), dpi=150)
+        panel = figure.add_axes((0.3, 0.3, 0.6, 0.6), axes_class=Panel)
+        panel.set(xlim=(1, 3), ylim=(1, 3))
+        scale(panel, sideways=False, numbers=numbers, most=2)
+        scale(panel, sideways=True, numbers=numbers, most=2)
+        drawn.append(255 - Canvas(figure).pixels().astype(int).mean(axis=-1))
+    ink = drawn[1] - drawn[0]
+    assert ink.sum() > 1000 and (ink[:220, 85:] == 0).all()  # below and at the left
+    for image, ticks in ((ink[220:].sum(axis=0), (90, 180, 270)), (ink[:220].sum(axis=1), (30, 120, 210))):
+        for tick in ticks:
+            piece = image[tick - 10 : tick + 10]
+            assert (piece * np.arange(-9.5, 10)).sum() / piece.sum() == pytest.approx(
+                0.0, abs=2.0
+            )  # digits are lopsided
 
 
 def test_a_png_file_holds_the_pixels_the_resolution_and_the_words():

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -20,6 +21,17 @@ WIDER = 1.42  # side of a mark over that of the square the particle fills: the w
 STRETCHED = 5.5  # longest panel, length over height; a longer flume is stretched upwards
 LOW = 0.12  # share of the still water depth below which waves are too low to be seen beside it
 CLOSE = 1.6  # heights of such waves that are shown above and below still water
+
+
+class Pixels(AxesImage):
+    """An image with a value for every pixel of its panel, from the lower left corner: nothing is sampled anew."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        box, graphics = self.axes.bbox, renderer.new_gc()
+        graphics.set_clip_rectangle(box)
+        colours = self.to_rgba(np.asarray(self.get_array()), bytes=True)
+        renderer.draw_image(graphics, round(box.x0), round(box.y0), colours)
+        graphics.restore()
 
 
 class Section:
@@ -94,9 +106,10 @@ class Section:
         """The image of `pressures` at the pixels of the panel; for the next frame, set_data() is enough."""
         box = panel.get_window_extent()
         pixels = (round(box.width / panel.figure.dpi * drawing.DPI), round(box.height / panel.figure.dpi * drawing.DPI))
-        extent = (0.0, self.grid.size[0], 0.0, self.height)
-        look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "nearest", "zorder": 2}
-        return panel.imshow(self.pressures(frame, pixels), cmap=drawing.pressures(), norm=scale, extent=extent, **look)
+        marks = Pixels(panel, cmap=drawing.pressures(), norm=scale, zorder=2)
+        marks.set_data(self.pressures(frame, pixels))
+        panel.add_image(marks)
+        return marks
 
     def pressures(self, frame: Frame, pixels: tuple[int, int]) -> FloatArray:
         """[kPa] at the pixels (z, x) of a panel, NaN where no water is.
