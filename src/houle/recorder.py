@@ -88,13 +88,13 @@ class Recorder:
 
     def start(self, simulation: Any) -> None:
         """The first row and the first frame, at the time of the simulation."""
-        self.observed = [Observed(simulation.time, 0.0, sample(simulation))]
+        self.observed = [Observed(simulation.time, 0.0, simulation.sample())]
         self.outputs.append_series(simulation.time, self.last.values)
         self.outputs.append_frame(simulation.frame())
         self.rows = self.frames = 1
 
     def step(self, simulation: Any, values: Sample) -> None:
-        """The rows that are due, given sample(simulation), and the frame if this step ends on one."""
+        """The rows that are due, given its sample(), and the frame if this step ends on one."""
         self.observed = [*self.observed[-2:], Observed(simulation.time, simulation.step_size, values)]
         self._write_rows(self.observed[-2].time, simulation.lag)
         if simulation.time >= self.stop:
@@ -127,8 +127,3 @@ class Recorder:
             mark = key + "sample."
             values = {k.removeprefix(mark): np.asarray(v, dtype=float) for k, v in state.items() if k.startswith(mark)}
             self.observed.append(Observed(float(state[key + "time"]), float(state[key + "step"]), values))
-
-
-def sample(simulation: Any) -> Sample:
-    """What the simulation observes now, copied."""
-    return {name: np.array(value, dtype=float) for name, value in simulation.sample().items()}

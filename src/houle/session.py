@@ -19,7 +19,7 @@ from houle.bundle import as_failure, write_bundle
 from houle.ledger import WORKS
 from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
 from houle.progress import Silent
-from houle.recorder import Recorder, sample
+from houle.recorder import Recorder
 
 if TYPE_CHECKING:
     from houle.case import Case
@@ -127,7 +127,7 @@ class Session:
         try:
             self.simulation.advance(self.recorder.stop)
             with self.clock.stage("gauges, sensors, ledger"):
-                values = sample(self.simulation)
+                values = self.simulation.sample()
         except Exception as error:  # whatever it is, the user gets the bundle
             self.fail(error)
         with self.clock.stage("writing"):

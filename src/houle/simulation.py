@@ -278,7 +278,7 @@ class Simulation:
         return {**observed, **dict.fromkeys(moving, self.step.velocity_lag)}
 
     def sample(self) -> dict[str, FloatArray]:
-        """Gauges, sensors, what else the case observes, and the ledger now; names and units in fields.py."""
+        """Gauges, sensors, what else the case observes, and the ledger now, as copies; names and units in fields.py."""
         return {**self.observers.sample(), **self._ledger_row()}
 
     def _ledger_row(self) -> dict[str, FloatArray]:
