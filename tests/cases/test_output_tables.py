@@ -1,0 +1,106 @@
+"""series.nc and surface.nc: every quantity with its unit, every row with the same names, readable by others."""
+
+import h5netcdf
+import numpy as np
+import pytest
+import xarray as xr
+from made_run import made_case, made_frame, made_grid, made_sample, write
+
+from houle import fields, ledger
+from houle.output import (
+    Outputs,
+    read_series,
+    read_surface,
+    series_table,
+    surface_table,
+)
+
+
+def test_every_name_has_a_unit_and_a_description():
+    for field in fields.FIELDS:
+        assert field.description and field.symbol and field.unit
+    assert len({(f.place, f.name) for f in fields.FIELDS}) == len(fields.FIELDS)
+    assert fields.find("volume").unit_in(2) == "m2" and fields.find("volume").unit_in(3) == "m3"
+
+
+def test_the_table_and_the_ledger_know_the_same_operations():
+    assert fields.OPERATIONS == ledger.OPERATIONS
+
+
+def test_a_quantity_that_is_not_in_the_table_is_refused_by_name(tmp_path):
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    with pytest.raises(RuntimeError, match="'gremlins'"):
+        outputs.append_series(0.0, made_sample(2, 0) | {"gremlins": 1.0})
+
+
+def test_every_row_has_the_same_names(tmp_path):
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs.append_series(0.0, made_sample(2, 0))
+    with pytest.raises(RuntimeError, match="'courant'"):
+        outputs.append_series(0.1, made_sample(2, 1) | {"courant": 0.5})
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_series_keep_values_units_and_dry_gauges(tmp_path, dimension):
+    outputs = Outputs(tmp_path, made_case(dimension), made_grid(dimension))
+    write(outputs, made_grid(dimension), [], range(8))
+    outputs.commit()
+    series = read_series(tmp_path)
+    assert series.eta.dims == ("gauge", "time") and series.pressure.dims == ("sensor", "time")
+    assert series.velocity.dims == ("sensor", "time", "axis") and "".join(series.axis.values) == "xyz"[:: 4 - dimension]
+    np.testing.assert_array_equal(series.eta.sel(gauge="G2")[:4], [np.nan, np.nan, np.nan, 0.2])
+    np.testing.assert_array_equal(series.kinetic_energy, 5.0 * np.arange(8))
+    assert series.kinetic_energy.attrs["units"] == ("J m-1" if dimension == 2 else "J")
+    assert series.eta.attrs["standard_name"] == "water_surface_height_above_reference_datum"
+    assert series.time.attrs == {"units": "s", "long_name": "simulated time", "symbol": "t"}
+    assert series.attrs["Conventions"] == "CF-1.11" and series.attrs["case_hash"] == "0123"
+    assert set(series.coords) >= {"gauge_x", "sensor_x", "sensor_z"} and ("gauge_y" in series.coords) == (
+        dimension == 3
+    )
+
+
+def test_a_run_without_gauges_and_sensors_has_a_ledger_only(tmp_path):
+    case = made_case()
+    case.gauge, case.sensor = [], []
+    outputs = Outputs(tmp_path, case, made_grid())
+    none = {"eta": np.zeros(0), "pressure": np.zeros(0), "velocity": np.zeros((0, 2))}
+    for index in range(3):
+        outputs.append_series(0.1 * index, made_sample(2, index) | none)
+    outputs.commit()
+    assert "eta" not in read_series(tmp_path) and read_series(tmp_path).sizes == {"time": 3}
+    again = Outputs(tmp_path, case, made_grid())
+    again.series.truncate_after(0.1)
+    again.append_series(0.2, made_sample(2, 2) | none)
+    again.series.commit()
+    assert read_series(tmp_path).sizes == {"time": 3}
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_surface_lies_as_gridded_data_do(tmp_path, dimension):
+    grid = made_grid(dimension)
+    outputs = Outputs(tmp_path, made_case(dimension), grid)
+    write(outputs, grid, range(3), [])
+    outputs.commit()
+    surface = read_surface(tmp_path)
+    assert surface.eta.dims == (("time", "x") if dimension == 2 else ("time", "y", "x"))
+    np.testing.assert_array_equal(surface.eta.values[2], made_frame(grid, 2).eta.T)
+    np.testing.assert_array_equal(surface.x, grid.axis_points(0))
+
+
+def test_surface_and_series_are_netcdf_4_for_other_readers(tmp_path):
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    write(outputs, made_grid(), range(3), range(9))
+    outputs.commit()
+    with h5netcdf.File(tmp_path / "series.nc") as file:
+        sizes = {name: len(dimension) for name, dimension in file.dimensions.items()}
+        assert sizes == {"time": 9, "gauge": 2, "sensor": 1, "axis": 2}
+        assert file["velocity"].dimensions == ("sensor", "time", "axis")
+        assert file["eta"].attrs["coordinates"] == "gauge_x" and "coordinates" not in file["volume"].attrs
+        assert np.isnan(file["eta"].attrs["_FillValue"]).all()
+    for name, read in (("series", series_table), ("surface", surface_table)):
+        with xr.open_dataset(tmp_path / f"{name}.nc", engine="h5netcdf", decode_times=False) as there:
+            table = read(tmp_path)
+            assert set(table) == set(there.variables) and table.sizes == dict(there.sizes)
+            for key in table:
+                np.testing.assert_array_equal(table[key].values, there[key].values)
+                assert table[key].dims == there[key].dims
