@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from houle import reflection
 from houle.analysis import porous_block
-from houle.output.atomic import replacing
-from houle.output.drawing import DPI, GREY, INK, LINES, style
+from houle.output.drawing import INK, LINES, headings, sheet, style
 from houle.validation import tables
 
 if TYPE_CHECKING:
@@ -24,7 +22,7 @@ if TYPE_CHECKING:
 
 HEAD = ("variant", "T s", "n", "f", "behind", "H_I mm", "C_R", "95 %", "theory", "C_T", "95 %", "theory")
 PERIODS = {1.0: LINES[0], 1.5: LINES[1], 2.0: LINES[2]}  # s -> colour
-PANEL, LEFT, RIGHT, TOP, BOTTOM, GAP = (2.9, 2.2), 0.65, 0.2, 0.75, 0.55, 0.45  # inches
+MARGINS = (0.62, 0.25, 0.8, 0.95)  # inches: left, right, bottom with the key, top
 
 
 @dataclass(frozen=True)
@@ -72,30 +70,19 @@ def write(path: Path, title: str, rows: Sequence[Row]) -> None:
 
 
 def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
-    """Measured coefficients with their intervals over the friction f, on the curves of theory; a column per block."""
+    """Measured coefficients with their intervals over the friction f, on the curves of theory; a row per porosity."""
     porosities = sorted({row.porosity for row in rows}, reverse=True)
-    panels = [(name, wall) for name, wall in (("C_R", False), ("C_T", False), ("C_R", True)) if _any(rows, name, wall)]
-    width = LEFT + len(panels) * (PANEL[0] + GAP) - GAP + RIGHT
-    height = TOP + len(porosities) * (PANEL[1] + GAP) - GAP + BOTTOM
+    kinds = [(name, wall) for name, wall in (("C_R", False), ("C_T", False), ("C_R", True)) if _any(rows, name, wall)]
+    words = "lines: linear theory  ·  bars: 95 % intervals"
     with style():
-        figure = Figure(figsize=(width, height))
-        for i, porosity in enumerate(porosities):
-            for j, (name, wall) in enumerate(panels):
-                x, y = LEFT + j * (PANEL[0] + GAP), height - TOP - (i + 1) * PANEL[1] - i * GAP
-                axes = figure.add_axes((x / width, y / height, PANEL[0] / width, PANEL[1] / height))
-                chosen = [row for row in rows if row.porosity == porosity and row.wall == wall]
-                _panel(axes, name, wall, chosen)
-                head = f"{name[0]}$_{name[2]}$, {'wall behind' if wall else 'open behind'}, n = {porosity:g}"
-                axes.set_title(head, loc="left", fontsize=8.5, color=INK)
-                if i == len(porosities) - 1:
-                    axes.set_xlabel("friction f")
-        figure.text(LEFT / width, 1 - 0.2 / height, title, fontsize=10, weight="bold", va="center")
-        keys = [Line2D([], [], color=c, marker="o", ms=4, label=f"T = {t:g} s") for t, c in PERIODS.items()]
-        keys.append(Line2D([], [], color=GREY, label="line: linear theory; bar: 95 %"))
-        place = (LEFT / width, 1 - 0.48 / height)
-        figure.legend(handles=keys, loc="center left", bbox_to_anchor=place, ncols=4, frameon=False, borderaxespad=0)
-        with replacing(path) as temporary:
-            FigureCanvasAgg(figure).print_figure(temporary, format="png", dpi=DPI)
+        page = sheet(len(porosities) * len(kinds), len(kinds), (2.9, 2.2), title, words, margins=MARGINS)
+        chosen = itertools.product(porosities, kinds)
+        for panel, (porosity, (name, wall)) in zip(page.panels, chosen, strict=True):
+            _panel(panel, name, wall, [row for row in rows if row.porosity == porosity and row.wall == wall])
+            headings(panel, f"{name[0]}$_{name[2]}$, {'wall' if wall else 'open'} behind, n = {porosity:g}")
+        page.label_outside("friction f", "")
+        page.legend([Line2D([], [], color=c, marker="o", ms=4, label=f"T = {t:g} s") for t, c in PERIODS.items()])
+        page.save(path)
 
 
 def _any(rows: Sequence[Row], name: str, wall: bool) -> bool:
@@ -116,5 +103,4 @@ def _panel(axes: Any, name: str, wall: bool, rows: Sequence[Row]) -> None:
             for f in friction
         ]
         axes.plot(friction, [getattr(known, name) for known in curve], color=colour, lw=0.9)
-    axes.set_xlim(0.0, 1.2)
-    axes.set_ylim(bottom=0.0)
+    axes.set(xlim=(0.0, 1.2), ylim=(0.0, 1.05))
