@@ -6,6 +6,7 @@ What a command needs is imported inside it, so that `houle --help` answers at on
 
 from __future__ import annotations
 
+import atexit
 import functools
 import gc
 from collections.abc import Callable
@@ -218,5 +219,6 @@ def _changes(overrides: list[str] | None) -> dict[str, Any]:
 
 def main() -> None:
     """Entry point of the command `houle`."""
-    gc.set_threshold(100_000)  # what is imported stays: looking through it for garbage over and over costs 0.4 s a run
+    gc.set_threshold(250_000)  # what is imported stays: looking through it for garbage over and over costs 0.4 s a run
+    atexit.register(gc.freeze)  # and at the end, when all is given back anyway, another 0.3 s
     app(prog_name="houle")
