@@ -53,6 +53,7 @@ static nb::dict build_info() {
 
 NB_MODULE(_core, m) {
   using namespace houle;
+  nb::set_leak_warnings(false);  // a process that ends gives nothing back, see houle.cli
   m.doc() = "houle's numerical kernels: free functions over NumPy arrays, in 2 and 3 dimensions";
   bind_grid<2>(m, "Grid2");
   bind_grid<3>(m, "Grid3");

@@ -256,3 +256,12 @@ def test_a_real_process_ends_with_the_status(here):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2 and done.stdout == ""
     assert done.stderr.startswith("houle: nothing.toml: no such file") and "Traceback" not in done.stderr
+
+
+def test_a_process_ends_without_a_word(tmp_path):
+    """What is not given back at the end, to save time, is not reported as lost."""
+    script = "import houle._core, sys, houle.cli; sys.argv = ['houle', 'describe', 'kernels']; houle.cli.main()"
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, encoding="utf-8"
+    )
+    assert done.returncode == 0 and done.stdout and done.stderr == ""
