@@ -170,6 +170,17 @@ static void bind_permute(nb::module_& m) {
         permute(n, width, order.data(), from.data(), to.data());
       },
       "order"_a, "from_"_a, "to"_a, "to[k] = from_[order[k]], rows of any width.");
+  m.def(
+      "reorder",
+      [](Array<std::int32_t> order, Field rows, Field spare) {
+        const index n = static_cast<index>(order.size());
+        const index width = n ? static_cast<index>(rows.size()) / n : 1;
+        require_size(rows.size(), n * width, "rows");
+        require_size(spare.size(), n * width, "spare");
+        nb::gil_scoped_release release;
+        reorder(n, width, order.data(), rows.data(), spare.data());
+      },
+      "order"_a, "rows"_a, "spare"_a, "rows[k] = old rows[order[k]]; spare, of the same shape, is work space.");
 }
 
 void bind_transfer(nb::module_& m) {

@@ -103,8 +103,9 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
     const double *ua = u[a], *ex = extra[a];
     double *us = star[a], *dr = drag[a], *mo = mobility[a];
     if (!medium.table) {
-      parallel_for(g.faces(a), [=](index f) {
-        us[f] = ua[f] + dt * (force + (ex ? ex[f] : 0.0));
+      const double fall = dt * force;  // rounded here: in the loop, its vectors and its tail might not do the same
+      parallel_for_grid(g.faces(a), [=](index f) {
+        us[f] = ex ? ua[f] + dt * (force + ex[f]) : ua[f] + fall;
         if (dr) dr[f] = 1.0;
         if (mo) mo[f] = dt;
       });
@@ -155,7 +156,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
       mo[f] = step;
       us[f] = ua[f] * kept + step * (force + (ex ? ex[f] : 0.0));
     };
-    parallel_for(
+    parallel_for_grid(
         g.faces(a) / line,
         [=](index r) {
           const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, cells);
@@ -178,7 +179,8 @@ inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFace
     const double *m = mass[a], *k_a = mobility[a], *u0 = u[a], *u1 = after[a], *rate = medium.rate[a];
     const std::int32_t* number = medium.number[a];
     const Material* table = medium.table;
-    work += parallel_sum(g.faces(a) / line, [=](index r) {
+    const index rows = g.faces(a) / line;
+    const auto each = parallel_values(rows, [=](index r) {
       const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, nullptr);
       double sum = 0.0;
       for (index k = 0; k < line; ++k) {
@@ -196,6 +198,7 @@ inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFace
       }
       return sum;
     });
+    work += parallel_sum(rows, [taken = each.data()](index r) { return taken[r]; });
   });
   return work;
 }
@@ -209,16 +212,15 @@ template <int D>
 inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
                             ConstFaces<D> mobility, double step, ConstFaces<D> star, double least, Faces<D> k,
                             double* e, double* rhs) {
-  const auto stride = Grid<D>::strides(g.shape);
   for (int a = 0; a < D; ++a) {
     const double *o = open[a], *mo = mobility[a];
     double* ka = k[a];
     const double h2 = 1.0 / (g.h[a] * g.h[a]);
-    parallel_for(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : step) * h2; });
+    parallel_for_grid(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : step) * h2; });
   }
   constexpr int up = D - 1;
   const index nz = g.shape[up];
-  parallel_for(
+  parallel_for_grid(
       g.cells() / nz,
       [=](index r) {
         const index row = r * nz, top = top_of(active + row, nz);
@@ -293,7 +295,7 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
         ua[f] -= factor * p[high] / surface_fraction(depth[high], depth[low], least);
       }
     };
-    parallel_for(
+    parallel_for_grid(
         g.faces(a) / line,
         [=](index r) {
           const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
@@ -369,8 +371,9 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
     for (int layer = 1; layer <= layers; ++layer) {
       const std::uint8_t mark = static_cast<std::uint8_t>(layer + 1);
       if (m && layer == near + 1)
-        parallel_for(g.faces(a), [=](index f) { known_a[f] = !known_a[f] && m[f] > keep_mass ? mark : known_a[f]; });
-      parallel_for(
+        parallel_for_grid(g.faces(a),
+                          [=](index f) { known_a[f] = !known_a[f] && m[f] > keep_mass ? mark : known_a[f]; });
+      parallel_for_grid(
           g.faces(a) / line,
           [=](index r) {
             const index row = r * line;
@@ -404,7 +407,7 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
           },
           16);
     }
-    parallel_for(g.faces(a), [=](index f) { ua[f] = known_a[f] ? ua[f] : 0.0; });
+    parallel_for_grid(g.faces(a), [=](index f) { ua[f] = known_a[f] ? ua[f] : 0.0; });
   }
   close_periodic(g, u);
 }
@@ -418,7 +421,7 @@ inline void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* a
   constexpr int up = D - 1;
   const index nz = g.shape[up], columns = g.cells() / nz;
   const auto shape = rows_of<D>(g.shape);
-  parallel_for(
+  parallel_for_grid(
       columns,
       [=](index c) {
         if (std::isnan(column[c])) return;

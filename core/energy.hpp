@@ -58,7 +58,7 @@ inline std::array<double, D> max_speed(index n, const double* u, const double* p
         return speed;
       },
       [](Speeds most, const Speeds& speed) {
-        for (int a = 0; a < D; ++a) most[a] = (speed[a] > most[a]) | (speed[a] != speed[a]) ? speed[a] : most[a];
+        for (int a = 0; a < D; ++a) most[a] = ((speed[a] > most[a]) | (speed[a] != speed[a])) ? speed[a] : most[a];
         return most;
       });
 }

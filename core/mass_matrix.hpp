@@ -71,7 +71,7 @@ class MassMatrix {
   void find_tops(const std::int64_t* start) {
     const index nz = grid_.shape[up];
     std::int32_t* top = top_.data();
-    parallel_for(
+    parallel_for_grid(
         static_cast<index>(top_.size()),
         [=](index r) {
           const std::int64_t* cell = start + r * nz;
@@ -116,7 +116,9 @@ class MassMatrix {
     const Row* rows = rows_.data();
     const index nodes = nodes_;
     double* store = store_.data();
-    parallel_for((links + 1) * nodes, [=](index k) { store[k] = 0.0; });
+    parallel_for(nodes, [=](index k) {
+      for (int l = 0; l <= links; ++l) store[l * nodes + k] = 0.0;
+    });
     each_slab(g, cloud.start, [=](index begin, index end) {
       for (index p = begin; p < end; ++p) {
         Reach<LinearKernel> reach[D];
@@ -159,7 +161,7 @@ class MassMatrix {
   void each_row(Visit visit) const {
     const Row* rows = rows_.data();
     const index line = line_;
-    parallel_for(static_cast<index>(rows_.size()), [=](index r) { visit(r, rows[r], r * line); }, 16);
+    parallel_for_grid(static_cast<index>(rows_.size()), [=](index r) { visit(r, rows[r], r * line); }, 16);
   }
 
   // mass = M 1, the weights of a particle having the sum 1; velocity = momentum / mass.

@@ -146,7 +146,7 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
     lc.last[p] = last;
   }
   auto *f = &fine, *c = &coarse;
-  parallel_for(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
+  parallel_for_grid(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
   lc.list(&lf, coarser);
   for_rows(lc, [=](const Pencil& row) {
     constexpr int pencils = 1 << (D - 1);

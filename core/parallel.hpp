@@ -85,6 +85,22 @@ inline void parallel_for(index n, const Body& body, index grain = 1024) {
   parallel_for_shares(n, [=](int s, int shares) { return n * s / shares; }, body, grain);
 }
 
+// The same for what lies along the first axis of the grid: cells, faces, rows of them. Cut where the particles are cut.
+template <class Body>
+inline void parallel_for_grid(index n, const Body& body, index grain = 1024) {
+  const Team& team = Team::shared();
+  const auto bound = [&team, n](int s, int shares) {
+    if (s == 0 || s == shares) return s == 0 ? index{0} : n;
+    const double share = static_cast<double>(s) / shares;
+    int i = 1;
+    while (i < Team::places && team.share_before(i) < share) ++i;
+    const double low = team.share_before(i - 1), high = team.share_before(i);
+    const double part = high > low ? std::clamp((share - low) / (high - low), 0.0, 1.0) : 0.0;
+    return static_cast<index>(static_cast<double>(n) * (i - 1 + part) / Team::places);
+  };
+  parallel_for_shares(n, bound, body, grain);
+}
+
 // The same for iterations of unequal work.
 template <class Place, class Body>
 inline void parallel_for_placed(index n, Place place, const Body& body, index grain) {
@@ -129,6 +145,15 @@ inline Result parallel_reduce(index n, Result start, Body body, Combine combine)
   Result r = start;
   for (index b = 0; b < blocks; ++b) r = combine(r, parts[b]);
   return r;
+}
+
+// body(i) of few and heavy i = 0..n-1 along the grid, to be reduced in their order.
+template <class Body>
+inline std::vector<double> parallel_values(index n, Body body, index grain = 16) {
+  std::vector<double> value(static_cast<std::size_t>(n));
+  double* values = value.data();
+  parallel_for_grid(n, [=](index i) { values[i] = body(i); }, grain);
+  return value;
 }
 
 template <class Body>

@@ -196,7 +196,7 @@ class Mask {
     auto* self = this;
     auto* l = &layout;
     const index n = layout.n[D - 1];
-    parallel_for(
+    parallel_for_grid(
         layout.pencils,
         [=](index p) {
           const auto i = l->place(p);

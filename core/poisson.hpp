@@ -121,9 +121,9 @@ class PressureSolver {
   void build_fine(ConstFaces<D> k, const double* e) {
     auto* self = this;
     auto& l = fine();
-    parallel_for(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
+    parallel_for_grid(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
     l.list(nullptr, coarser(0));
-    parallel_for(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
+    parallel_for_grid(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
     auto& level = levels_[0];
     for (int a = 0; a < D; ++a)
       for (int c = 0; c < 2; ++c) {
@@ -184,7 +184,7 @@ class PressureSolver {
         for (int a = 0; a < D; ++a) {
           const double lower = k_lo[a][j], upper = k_hi[a][j];
           const bool below = mask[j - mask_step[a]] != 0, above = mask[j + mask_step[a]] != 0;
-          const double v = in & below ? lower : 0.0, w = in & above ? upper : 0.0;
+          const double v = (in & below) ? lower : 0.0, w = (in & above) ? upper : 0.0;
           kd[a][m] = v;
           kf[a][m] = static_cast<Real>(v);
           sum += v + w;
@@ -210,7 +210,7 @@ class PressureSolver {
     auto* self = this;
     auto* field = &to;
     const index n = grid_.shape[D - 1];
-    parallel_for(
+    parallel_for_grid(
         fine().pencils,
         [=](index p) {
           auto& l = self->fine();
@@ -235,7 +235,7 @@ class PressureSolver {
   void store(double* to) {
     auto* self = this;
     const index n = grid_.shape[D - 1];
-    parallel_for(
+    parallel_for_grid(
         fine().pencils,
         [=](index p) {
           auto& l = self->fine();
@@ -261,7 +261,7 @@ class PressureSolver {
       for (int v = 0; v < multigrid::width; ++v) sum[v] += a[i + v] * static_cast<double>(b[i + v]);
     for (int v = 0; v < multigrid::width; ++v) lanes[v] += sum[v];
   }
-  static double larger(double a, double b) { return (a >= b) | (a != a) ? a : b; }  // NaN wins
+  static double larger(double a, double b) { return ((a >= b) | (a != a)) ? a : b; }  // NaN wins
   static void max_size(const double* a, index n, double* lanes) {
     double most[multigrid::width] = {};
     for (index i = 0; i < n; i += multigrid::width)

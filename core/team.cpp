@@ -39,40 +39,76 @@ Team& Team::shared() {
   return *team;
 }
 
-Team::Team() { resize(wanted_threads()); }
+Team::Team() {
+  for (int i = 0; i <= places; ++i) tell(i, static_cast<double>(i) / places);
+  resize(wanted_threads());
+}
 
 void Team::resize(int threads) {
   const std::lock_guard<std::mutex> mine(busy_);
-  threads = std::max(1, threads);
-  if (threads > started_ || !share_) share_ = std::make_unique<Share[]>(static_cast<std::size_t>(threads));
+  threads = std::clamp(threads, 1, most);
   try {
     for (; started_ < threads; ++started_) std::thread(&Team::work, this, started_).detach();
   } catch (const std::system_error&) {  // the system gives no more
   }
   size_ = std::min(threads, started_);
-  epoch_.fetch_add(2);
-  epoch_.notify_all();
+  bell_.fetch_add(1);
+  bell_.notify_all();
 }
 
-void Team::open() {
-  epoch_.fetch_add(1);
-  if (asleep_.load() > 0) epoch_.notify_all();
+index Team::post(int s, const Loop& loop, index begin, index end) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  Share& share = share_[s];
+  share.run.store(loop.run, relaxed);
+  share.body.store(loop.body, relaxed);
+  share.begin.store(begin, relaxed);
+  share.end.store(end, relaxed);
+  share.chunk.store(loop.chunk, relaxed);
+  share.shares.store(loop.shares, relaxed);
+  share.next.store(Count{number_} << 32, std::memory_order_release);
+  return end > begin ? (end - begin + loop.chunk - 1) / loop.chunk : 0;
 }
 
-void Team::take(int self) {
-  for (int k = 0; k < loop_.shares; ++k) {
-    Share& share = share_[(self + k) % loop_.shares];
-    while (share.next.load(std::memory_order_relaxed) < share.end) {
-      const index begin = share.next.fetch_add(loop_.chunk, std::memory_order_relaxed);
-      if (begin < share.end) loop_.run(loop_.body, begin, std::min(begin + loop_.chunk, share.end));
-    }
+// A thread that goes to sleep at this very moment may be missed: then it comes to the next loop.
+void Team::wake() {
+  if (asleep_.load(std::memory_order_relaxed) == 0) return;
+  bell_.fetch_add(1);
+  bell_.notify_all();
+}
+
+// What is read of the share may belong to a later loop, but then the chunk is not given: its loop is over.
+index Team::take(int s, std::uint32_t number) {
+  constexpr auto relaxed = std::memory_order_relaxed;
+  Share& share = share_[s];
+  index taken = 0;
+  for (Count next = share.next.load(std::memory_order_acquire); next >> 32 == number;) {
+    const auto run = share.run.load(relaxed);
+    const void* body = share.body.load(relaxed);
+    const index chunk = share.chunk.load(relaxed), end = share.end.load(relaxed);
+    const index begin = share.begin.load(relaxed) + static_cast<index>(next & 0xffffffffu) * chunk;
+    if (begin >= end) break;
+    if (!share.next.compare_exchange_strong(next, next + 1, std::memory_order_acq_rel)) continue;
+    run(body, begin, std::min(begin + chunk, end));
+    ++taken;
+    next = share.next.load(std::memory_order_acquire);
   }
+  return taken;
 }
 
-// All chunks are taken: nobody may come in any more, and who is inside finishes the one he has.
-void Team::close() {
-  epoch_.fetch_add(1);
-  for (int looks = 0; inside_.load() > 0; ++looks)
+// The caller's own share, what has not been taken of the others', and the wait for the chunks that are under way.
+void Team::finish(int shares, index chunks) {
+  index left = chunks - take(0, number_);
+  const auto others = [&] {
+    index done = 0;
+    for (int s = 1; s < shares; ++s) {
+      const Count count = tally_[s].done.load(std::memory_order_acquire);
+      if (count >> 32 == number_) done += static_cast<index>(count & 0xffffffffu);
+    }
+    return done;
+  };
+  if (others() == left) return;
+  for (int s = 1; s < shares; ++s) left -= take(s, number_);
+  for (int looks = 0; others() != left; ++looks)
     if (looks < PATIENCE)
       pause();
     else
@@ -80,24 +116,29 @@ void Team::close() {
 }
 
 void Team::work(int self) {
-  int last = 0;
+  std::uint32_t last = 0;
   auto since = Clock::now();
   for (unsigned looks = 1;; ++looks) {
-    const int epoch = epoch_.load();
-    if (epoch % 2 != 0 && epoch != last && self < size()) {
-      last = epoch;
-      inside_.fetch_add(1);
-      const bool came = epoch_.load() == epoch;
-      if (came && self < loop_.shares) take(self);
-      inside_.fetch_sub(1);
-      if (came) since = Clock::now();
+    const auto number = static_cast<std::uint32_t>(share_[self].next.load(std::memory_order_acquire) >> 32);
+    if (number != last) {
+      last = number;
+      const int shares = share_[self].shares.load(std::memory_order_relaxed);
+      Count done = 0;
+      for (int k = 0; k < shares; ++k) {
+        const index taken = take((self + k) % shares, number);
+        if (taken == 0) continue;
+        done += static_cast<Count>(taken);
+        tally_[self].done.store(Count{number} << 32 | done, std::memory_order_release);
+      }
+      if (done > 0) since = Clock::now();
       looks = 0;
     } else if (looks % 64 != 0 || (self < size() && Clock::now() - since < AWAKE)) {
       pause();
     } else {
       const bool needed = self < size();
+      const int bell = bell_.load();
       asleep_ += needed;
-      epoch_.wait(epoch);
+      if (share_[self].next.load() >> 32 == last) bell_.wait(bell);
       asleep_ -= needed;
       since = Clock::now();
     }

@@ -20,18 +20,45 @@ inline index cell_of(const Grid<D>& g, const double* x) {
 }
 
 // Stable counting sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell.
-// cell (n,) is work space. Serial in the histogram, which is memory-light; the permutation itself is parallel.
+// cell (n,) is work space. Each share of the cells counts and places what lies in it; the shares are equal if the
+// particles are nearly sorted already.
 template <int D>
 inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
                       std::int64_t* start) {
-  const index cells = g.cells();
+  constexpr index most = 16, enough = 4096;  // shares; particles in one
+  const index cells = g.cells(), shares = std::clamp<index>(std::min<index>(get_threads(), n / enough), 1, most);
   parallel_for(n, [=](index p) { cell[p] = static_cast<std::int32_t>(cell_of<D>(g, x + D * p)); });
-  std::fill(start, start + cells + 1, 0);
-  for (index p = 0; p < n; ++p) ++start[cell[p] + 1];
-  for (index c = 0; c < cells; ++c) start[c + 1] += start[c];
-  for (index p = 0; p < n; ++p) order[start[cell[p]]++] = static_cast<std::int32_t>(p);
-  for (index c = cells; c > 0; --c) start[c] = start[c - 1];
-  start[0] = 0;
+  std::array<index, most + 1> bound{};        // of the cells of each share
+  std::array<std::int64_t, most + 1> held{};  // particles in the shares before it
+  for (index s = 1; s < shares; ++s) bound[s] = std::max<index>(bound[s - 1], cell[n * s / shares]);
+  bound[shares] = cells;
+  std::int64_t* in_share = held.data() + 1;
+  parallel_for(
+      shares,
+      [=](index s) {
+        const index first = bound[s], end = bound[s + 1];
+        std::fill(start + first, start + end, 0);
+        std::int64_t count = 0;
+        for (index p = 0; p < n; ++p)
+          if (cell[p] >= first && cell[p] < end) ++start[cell[p]], ++count;
+        in_share[s] = count;
+      },
+      1);
+  for (index s = 0; s < shares; ++s) held[s + 1] += held[s];
+  parallel_for(
+      shares,
+      [=](index s) {
+        const index first = bound[s], end = bound[s + 1];
+        std::int64_t next = held[s];
+        for (index c = first; c < end; ++c) start[c] = next += start[c];  // end of the cell, until it is filled
+        for (index p = n - 1; p >= 0; --p)                                // from its end
+          if (cell[p] >= first && cell[p] < end) order[--start[cell[p]]] = static_cast<std::int32_t>(p);
+      },
+      1);
+  start[cells] = n;
+  const index nx = g.shape[0], plane = cells / nx;
+  for (int i = 1; i <= Team::places && n > 0; ++i)
+    Team::shared().tell(i, static_cast<double>(start[nx * i / Team::places * plane]) / static_cast<double>(n));
 }
 
 // to[k] = from[order[k]] for rows of `width` numbers.
@@ -47,6 +74,14 @@ inline void permute(index n, index width, const std::int32_t* order, const doubl
       for (index a = 0; a < width; ++a) to[width * k + a] = from[width * static_cast<index>(order[k]) + a];
     });
   }
+}
+
+// Rows of `width` numbers brought into that order; spare: work space of the same size.
+inline void reorder(index n, index width, const std::int32_t* order, double* rows, double* spare) {
+  permute(n, width, order, rows, spare);
+  parallel_for(n, [=](index k) {
+    for (index a = k * width; a < (k + 1) * width; ++a) rows[a] = spare[a];
+  });
 }
 
 // Runs slab(p_begin, p_end) over all particles, each slab of columns once, neighbours never at the same time.
@@ -100,7 +135,7 @@ template <int D>
 inline void scatter_cells(const Grid<D>& g, const std::int64_t* start, const double* x, const double* amount,
                           const Paddles& paddles, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
-  parallel_for(g.cells(), [=](index c) { out[c] = 0.0; });
+  parallel_for_grid(g.cells(), [=](index c) { out[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
       const double v = amount[p];
@@ -161,7 +196,7 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double *m = mass[a], *v = velocity[a];
-    parallel_for(g.faces(a), [=](index f) { m[f] = v[f] = 0.0; });
+    parallel_for_grid(g.faces(a), [=](index f) { m[f] = v[f] = 0.0; });
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
@@ -191,7 +226,7 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   });
   for (int a = 0; a < D; ++a) {
     double *m = mass[a], *v = velocity[a];
-    parallel_for(g.faces(a), [=](index f) { v[f] = m[f] > 0.0 ? v[f] / m[f] : 0.0; });
+    parallel_for_grid(g.faces(a), [=](index f) { v[f] = m[f] > 0.0 ? v[f] / m[f] : 0.0; });
   }
   close_periodic(g, mass);
   close_periodic(g, velocity);
@@ -206,7 +241,7 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
   const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double* r = work[a];
-    parallel_for(g.faces(a), [=](index f) { r[f] = 0.0; });
+    parallel_for_grid(g.faces(a), [=](index f) { r[f] = 0.0; });
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
@@ -223,7 +258,7 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
   for (int a = 0; a < D; ++a) {
     const double *m = mass[a], *r = work[a];
     double* v = velocity[a];
-    parallel_for(g.faces(a), [=](index f) { v[f] += m[f] > 0.0 ? r[f] / m[f] : 0.0; });
+    parallel_for_grid(g.faces(a), [=](index f) { v[f] += m[f] > 0.0 ? r[f] / m[f] : 0.0; });
   }
   close_periodic(g, velocity);
 }

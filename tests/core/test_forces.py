@@ -99,6 +99,18 @@ def test_clear_water_only_falls(random, dt):
         assert np.all(drag[a] == 1.0) and np.all(mobility[a] == dt)
 
 
+def test_clear_water_falls_alike_for_any_number_of_threads():
+    """Wherever a loop is cut, and what of it is a vector or the rest of one: u + dt g is rounded the same."""
+    random = np.random.default_rng(1)
+    grid, found = Grid((61, 67), (1.0, 1.0), (False, False)), []
+    u = random_faces(grid, random)
+    for threads in range(1, 9):
+        _core.set_threads(threads)
+        found.append(forces(grid, u, CLEAR, (0.3, -9.81), 0.0053191489361702135)[0])
+    for faces in found:
+        assert all(np.array_equal(a, b) for a, b in zip(faces, found[0], strict=True))
+
+
 # ---- the drag --------------------------------------------------------------------------------------------------------
 
 

@@ -146,6 +146,32 @@ def test_particles_are_sorted_by_cell_and_stay_in_order_within(grid, random, cou
     assert np.array_equal(start, np.searchsorted(number[order], np.arange(len(start))))
 
 
+@given(randoms, st.sampled_from([1, 2, 5]), st.booleans())
+@settings(max_examples=10)
+def test_every_number_of_threads_sorts_alike(random, threads, nearly):
+    grid = Grid((40, 30), (1.0, 1.0), (False, False))
+    x = random.uniform(0.0, 1.0, (20_000, 2)) * grid.size
+    if nearly:
+        x = in_order(grid, x)[0] + random.normal(0.0, 0.3, x.shape)
+    (cell, order), start = np.zeros((2, len(x)), np.int32), np.full(1201, 7)
+    _core.set_threads(threads)
+    _core.cell_sort(grid.core, x, cell, order, start)
+    index = np.clip(np.floor(x).astype(int), 0, (39, 29))
+    number = index[:, 0] * 30 + index[:, 1]
+    assert np.array_equal(order, np.argsort(number, kind="stable"))
+    assert np.array_equal(start, np.searchsorted(number[order], np.arange(len(start))))
+
+
+@given(randoms, st.integers(0, 50), st.sampled_from([(), (1,), (2,), (3,), (2, 2)]))
+def test_rows_are_brought_into_an_order(random, count, row):
+    rows, order = random.normal(size=(count, *row)), random.permutation(count).astype(np.int32)
+    expected, moved = rows[order], np.zeros_like(rows)
+    _core.permute(order, rows, moved)
+    assert np.array_equal(moved, expected)
+    _core.reorder(order, rows, np.empty_like(rows))
+    assert np.array_equal(rows, expected)
+
+
 # ---- what is conserved -----------------------------------------------------------------------------------------------
 
 
