@@ -135,6 +135,33 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
   });
 }
 
+// way += dt u on the faces of one axis, in single precision: how far water has come from where it was [m]. Returns the
+// largest |way| / porosity where the face carries more mass than `least`. porosity null: 1.
+inline double travel(index n, double dt, const double* u, const double* mass, double least, const float* porosity,
+                     float* way) {
+  constexpr index block = 1024;
+  const auto farthest = parallel_values((n + block - 1) / block,
+                                        [=](index b) {
+                                          const index first = b * block, count = std::min(block, n - first);
+                                          double step[block];  // rounded by itself: not part of a fused multiply-add
+                                          float far[block];
+                                          for (index k = 0; k < count; ++k) step[k] = dt * u[first + k];
+                                          for (index k = 0; k < count; ++k) {
+                                            const index f = first + k;
+                                            way[f] = static_cast<float>(way[f] + step[k]);
+                                            far[k] = mass[f] > least ? std::abs(way[f]) : 0.0f;
+                                          }
+                                          if (porosity)
+                                            for (index k = 0; k < count; ++k) far[k] /= porosity[first + k];
+                                          float most = 0.0f;
+                                          for (index k = 0; k < count; ++k)
+                                            most = ((far[k] > most) | (far[k] != far[k])) ? far[k] : most;
+                                          return static_cast<double>(most);
+                                        },
+                                        4);
+  return parallel_max(static_cast<index>(farthest.size()), [far = farthest.data()](index b) { return far[b]; });
+}
+
 // The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
 // -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a single-valued column the cells
 // that the surface cuts have none: their level is that of the column's volume, and to chase the fill of single surface

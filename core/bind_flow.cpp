@@ -332,6 +332,19 @@ static void bind_sums(nb::module_& m) {
       },
       "mass"_a, "u"_a, "acceleration"_a, "Power of the accelerations on the faces of one axis per unit density.");
   m.def(
+      "travel",
+      [](double dt, Field u, Field mass, double least, std::optional<Array<float>> porosity, Array<float> way) {
+        const index n = static_cast<index>(u.size());
+        require_size(mass.size(), n, "mass");
+        require_size(way.size(), n, "way");
+        if (porosity) require_size(porosity->size(), n, "porosity");
+        const float* pores = porosity ? porosity->data() : nullptr;
+        nb::gil_scoped_release release;
+        return travel(n, dt, u.data(), mass.data(), least, pores, way.data());
+      },
+      "dt"_a, "u"_a, "mass"_a, "least"_a, "porosity"_a.none(), "way"_a,
+      "Way of the water on the faces of one axis, float32; returns the farthest where there is water [m].");
+  m.def(
       "all_finite",
       [](Field x) {
         nb::gil_scoped_release release;

@@ -521,6 +521,13 @@ def viscous_acceleration(grid, u, mass, least, nu, porosity, no_slip):
     return out
 
 
+def travel(dt, u, mass, least, porosity, way):
+    """(way + dt u, largest |way| / n where there is more than `least`), single precision: core/advect.hpp."""
+    way = (way + dt * u).astype(np.float32)
+    n = np.float32(1.0) if porosity is None else porosity
+    return way, float(np.max(np.abs(way) * (mass > least) / n))
+
+
 # ---- the medium ------------------------------------------------------------------------------------------------------
 
 

@@ -94,8 +94,9 @@ class Flow:
         self.open_faces = medium.open_faces  # replaced by copies where gates close some
 
         self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
+        self.work = Workspace(grid, len(particles))
         self.measure_capacity()
-        self.refresh_particles()
+        self.resize_particles()
 
     @property
     def viscous(self) -> bool:
@@ -145,11 +146,6 @@ class Flow:
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
-    def refresh_particles(self) -> None:
-        """Arrays for the present number of particles, and a new work space."""
-        self.drop_work()
-        self.resize_particles()
-
     def resize_particles(self) -> None:
         """Arrays for the present number of particles; what the work space has on the grid stays."""
         n = len(self.particles)
@@ -161,9 +157,9 @@ class Flow:
         self.inertia: FloatArray | None = clear.copy() if self.porous else None
 
     def drop_work(self) -> None:
-        """Empties the work space; of a large flow gives its memory back, which takes time to get again."""
-        self.work = Workspace(self.grid, len(self.particles))
+        """Gives the memory of the work space back, of a large flow only: to get it again takes time."""
         if len(self.particles) > LARGE:
+            self.work = Workspace(self.grid, len(self.particles))
             _core.return_memory()
 
     def sample_medium(self) -> None:
@@ -178,13 +174,18 @@ class Flow:
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 
     @cached_property
-    def face_porosity(self) -> list[NDArray[np.float32]]:
-        """Mean of the cells on both sides of each face, float32; the first and the last along an axis as their cell."""
-        found = []
-        for a in range(self.grid.dimension):
-            n = np.pad(self.medium.porosity, [(int(b == a),) * 2 for b in range(self.grid.dimension)], mode="edge")
-            mean = 0.5 * (np.delete(n, 0, axis=a) + np.delete(n, -1, axis=a)).astype(np.float32)
-            found.append(mean if self.porous else np.broadcast_to(np.float32(1.0), mean.shape))
+    def face_porosity(self) -> list[NDArray[np.float32] | None]:
+        """Mean of the cells on both sides of each face, float32; the first and the last along an axis as their cell.
+
+        None in clear water.
+        """
+        d = self.grid.dimension
+        if not self.porous:
+            return [None] * d
+        found: list[NDArray[np.float32] | None] = []
+        for a in range(d):
+            n = np.pad(self.medium.porosity, [(int(b == a),) * 2 for b in range(d)], mode="edge")
+            found.append(0.5 * (np.delete(n, 0, axis=a) + np.delete(n, -1, axis=a)).astype(np.float32))
         return found
 
     @cached_property

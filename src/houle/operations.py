@@ -26,8 +26,7 @@ def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray,
     cell = work.spare.ravel().view(np.int32)[: len(p)]  # only until the rows are moved
     _core.cell_sort(flow.grid.core, p.position, cell, work.order, flow.start)
     for rows in (p.position, p.velocity):
-        _core.permute(work.order, rows, work.spare)
-        rows[...] = work.spare
+        _core.reorder(work.order, rows, work.spare)
     _core.permute(work.order, p.volume, flow.bulk)  # which is taken anew below
     p.volume, flow.bulk = flow.bulk, p.volume
     for name, values in transfer.arrays.items():

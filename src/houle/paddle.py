@@ -50,7 +50,7 @@ class Paddle:
         self.x, self.velocity, self.flow = rest, 0.0, flow
         self.way = 0.0  # of the present step [m]
         flow.particles = self._in_front(flow.particles)
-        flow.refresh_particles()
+        flow.resize_particles()
         self.leeway = self._clear() * flow.grid.spacing[0]
         flow.paddles.append(self)
         flow.driven.append(self)

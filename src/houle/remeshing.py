@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from houle import _core
 from houle.flow import SPRAY, Flow
 from houle.remesh import Remesher
 from houle.transfer import Transfer
@@ -29,9 +30,8 @@ class Remeshing:
         """dt: how long the particles have moved with the velocity of the grid [s]."""
         self.count += 1
         self.travelled = self.travelled or [np.zeros(u.shape, np.float32) for u in flow.velocity]
-        for way, u in zip(self.travelled, flow.velocity, strict=True):
-            way += dt * u
-        if self.count < self.every or self._farthest(flow) < self.travel:
+        farthest = self._go_on(flow, dt)
+        if self.count < self.every or farthest < self.travel:
             return
         self.count = 0
         for way in self.travelled:
@@ -48,8 +48,9 @@ class Remeshing:
         flow.sample_medium()
         transfer.renew(flow)
 
-    def _farthest(self, flow: Flow) -> float:
-        """Cells that water has come away from where it was, where there is water."""
-        least = SPRAY * flow.grid.cell_volume
-        ways = zip(self.travelled, flow.work.face_mass, flow.face_porosity, flow.grid.spacing, strict=True)
-        return max(float(np.max(np.abs(way) * (mass > least) / n)) / h for way, mass, n, h in ways)
+    def _go_on(self, flow: Flow, dt: float) -> float:
+        """A step further; returns the cells that water has come away from where it was, where there is water."""
+        least, spacing = SPRAY * flow.grid.cell_volume, flow.grid.spacing
+        fields = zip(flow.velocity, flow.work.face_mass, flow.face_porosity, self.travelled, strict=True)
+        ways = [_core.travel(dt, u, mass, least, porosity, way) for u, mass, porosity, way in fields]
+        return max(way / h for way, h in zip(ways, spacing, strict=True))

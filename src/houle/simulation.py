@@ -404,7 +404,7 @@ class Simulation:
         self.step.remeshing.travelled = [np.array(state[way]) for way in ways if way in state]
         names = ("position", "velocity", "volume")
         flow.particles = Particles(*(np.array(state[n], dtype=float, order="C") for n in names))
-        flow.refresh_particles()
+        flow.resize_particles()
         flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
         for a, u in enumerate(flow.velocity):
             u[...] = state[f"face_velocity.{a}"]

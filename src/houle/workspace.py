@@ -1,7 +1,7 @@
 """Arrays that a time step needs only while it lasts.
 
 Each is made when it is first asked for. Nothing in them is meant for the next step: remeshing, which needs memory of
-its own, drops them all, and the next step makes them anew.
+its own, drops them all where the flow is large, and the next step makes them anew.
 """
 
 from __future__ import annotations
@@ -23,8 +23,11 @@ class Workspace:
 
     def resize(self, particles: int) -> None:
         """For another number of particles: what is on the grid only stays."""
+        if particles == self.particles:
+            return
         self.particles = particles
-        for name in ("order", "_store", "spare", "_system"):
+        large_enough = "_store" in self.__dict__ and len(self._store) >= self._stored_numbers
+        for name in ("order", "spare", *(() if large_enough else ("_store", "_system"))):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -32,12 +35,16 @@ class Workspace:
         """Of the particles, when they are sorted (N,)."""
         return np.zeros(self.particles, np.int32)
 
+    @property
+    def _stored_numbers(self) -> int:
+        grid = self.grid
+        on_grid = 2 * math.prod(grid.shape) + sum(math.prod(grid.face_shape(a)) for a in range(grid.dimension))
+        return max(on_grid, self.particles * grid.dimension)
+
     @cached_property
     def _store(self) -> FloatArray:
         """One place for what is wanted while particles are sorted and for what is wanted while there is a pressure."""
-        grid = self.grid
-        on_grid = 2 * math.prod(grid.shape) + sum(math.prod(grid.face_shape(a)) for a in range(grid.dimension))
-        return np.zeros(max(on_grid, self.particles * grid.dimension))
+        return np.zeros(self._stored_numbers)
 
     def _stored(self, *shapes: tuple[int, ...]) -> list[FloatArray]:
         """Arrays of these shapes, one after the other in the store."""

@@ -22,6 +22,20 @@ def move(grid, u, dt, x, porosity=None, distance=None, gates=NO_GATES, own=None,
     return x
 
 
+@given(randoms, st.integers(1, 3000), st.booleans())
+def test_ways_against_the_twin(random, count, porous):
+    """To the bit: ways are part of the state."""
+    u, mass, dt = random.normal(size=count), random.uniform(0.0, 2.0, count), random.uniform(0.0, 0.1)
+    porosity = random.uniform(0.3, 1.0, count).astype(np.float32) if porous else None
+    way = random.normal(size=count).astype(np.float32)
+    expected, farthest = reference.travel(dt, u, mass, 1.0, porosity, way)
+    assert _core.travel(dt, u, mass, 1.0, porosity, way) == farthest
+    assert np.array_equal(way, expected)
+    if mass.max() > 1.0:
+        u[np.argmax(mass)] = np.nan
+        assert np.isnan(_core.travel(dt, u, mass, 1.0, porosity, way))
+
+
 def obstacles(grid, random):
     """A solid block and a half-open gate somewhere inside: distances at the nodes, gates."""
     size = np.array(grid.size)
