@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Sample = dict[str, NDArray[np.float64]]
+Sample = dict[str, NDArray[np.float64] | float]
 PREFIX = "recorder."
 
 
@@ -125,5 +125,7 @@ class Recorder:
         self.observed = []
         while (key := f"{PREFIX}{len(self.observed)}.") + "time" in state:
             mark = key + "sample."
-            values = {k.removeprefix(mark): np.asarray(v, dtype=float) for k, v in state.items() if k.startswith(mark)}
+            values: Sample = {
+                k.removeprefix(mark): np.asarray(v, dtype=float) for k, v in state.items() if k.startswith(mark)
+            }
             self.observed.append(Observed(float(state[key + "time"]), float(state[key + "step"]), values))

@@ -277,11 +277,11 @@ class Simulation:
         observed = self.observers.lag(self.step.velocity_lag, self.step.pressure_lag)
         return {**observed, **dict.fromkeys(moving, self.step.velocity_lag)}
 
-    def sample(self) -> dict[str, FloatArray]:
+    def sample(self) -> dict[str, FloatArray | float]:
         """Gauges, sensors, what else the case observes, and the ledger now, as copies; names and units in fields.py."""
         return {**self.observers.sample(), **self._ledger_row()}
 
-    def _ledger_row(self) -> dict[str, FloatArray]:
+    def _ledger_row(self) -> dict[str, float]:
         flow, ledger, rho = self.flow, self.ledger, self.case.fluid.density
         p, speed = flow.particles, flow.max_pore_speed()
         volume = p.total_volume
@@ -296,8 +296,8 @@ class Simulation:
             "sponge_work": rho * ledger.sponge_work,
             "source_work": rho * ledger.source_work,
             "open_work": rho * ledger.open_work,
-            "inflow": ledger.inflow,
-            "outflow": ledger.outflow,
+            "inflow": float(ledger.inflow),
+            "outflow": float(ledger.outflow),
             "max_speed": float(speed.max()),
             "courant": float(np.max(speed / self.grid.spacing)) * self.step_size,
             "step_size": self.step_size,
@@ -310,7 +310,7 @@ class Simulation:
             row[f"energy_{name}"] = rho * ledger.energy[name]
         for name in ("divergence", "pressure_iterations", "correction_iterations"):
             row[name] = float(ledger.notes.get(name, 0.0))
-        return {k: np.asarray(v, float) for k, v in row.items()}
+        return row
 
     def _mean_level(self) -> float:
         """Where the surface overhangs or is steep, a column has no single level: there what it encloses counts."""

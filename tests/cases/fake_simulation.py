@@ -71,8 +71,8 @@ class Simulation:
             "eta": np.array([p.position[:, 1].max(), np.nan]),
             "pressure": np.array([p.position.sum()]),
             "velocity": p.velocity[:1].copy(),
-            "kinetic_energy": np.array(0.5 * np.sum(p.volume[:, None] * p.velocity**2)),
-            "energy_forces": np.array(p.velocity.mean()),
+            "kinetic_energy": float(0.5 * np.sum(p.volume[:, None] * p.velocity**2)),
+            "energy_forces": float(p.velocity.mean()),
         }
 
     def frame(self):
