@@ -145,16 +145,16 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
       .def(
           "transfer",
           [](Matrix& s, Field x, Field mass, Array<std::int64_t> start, Field u, int order, std::vector<Field> velocity,
-             std::vector<Field> face_mass, std::vector<Field> work) {
+             std::vector<Field> face_mass, std::vector<Field> work, Field lent) {
             const auto& g = s.grid();
             const auto cloud = cloud_of<D>(g, x, std::nullopt, mass, start);
             require_size(u.size(), cloud.n * D, "velocity");
             const auto v = faces_of(g, velocity, "velocity"), fm = faces_of(g, face_mass, "face mass"),
                        w = faces_of(g, work, "work");
             nb::gil_scoped_release release;
-            s.transfer(cloud, u.data(), order, v, fm, w);
+            s.transfer(cloud, u.data(), order, v, fm, w, {lent.data(), lent.size()});
           },
-          "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a,
+          "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a, "lent"_a,
           "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
 }
 

@@ -6,6 +6,7 @@
 // it in memory, one array per link. Rows of nodes (along the last axis) are stored as far up as water reaches.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "transfer.hpp"
@@ -20,13 +21,15 @@ class MassMatrix {
   const Grid<D>& grid() const { return grid_; }
 
   // velocity and mass (faces): what to_faces() gives with the linear kernel, and order - 1 times add_residual() after
-  // it. work (faces): work space.
-  void transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass, Faces<D> work) {
+  // it. work (faces): work space; lent: some more for the matrix, which has memory of its own only if that is too
+  // small.
+  void transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass, Faces<D> work,
+                std::span<double> lent) {
     find_tops(cloud.start);
     each_of<D>([&](auto axis) {
       constexpr int a = decltype(axis)::value;
       double *now = order % 2 ? velocity[a] : work[a], *next = order % 2 ? work[a] : velocity[a];
-      list_rows(a);
+      list_rows(a, lent);
       sum_particles<a>(cloud, u);
       divide(mass[a], now);
       for (int k = 1; k < order; ++k, std::swap(now, next)) refine(mass[a], now, next);
@@ -49,7 +52,8 @@ class MassMatrix {
   index line_ = 0;                 // entries of a row of faces; of these, nodes of their own:
   index around_ = 0;
   std::vector<Row> rows_;
-  std::vector<double> store_;  // momentum sum_p m_p w_fp u_p, then the links: arrays of `nodes_`
+  double* store_ = nullptr;  // momentum sum_p m_p w_fp u_p, then the links: arrays of `nodes_`
+  std::vector<double> own_;  // its memory where none is lent
   index nodes_ = 0;
 
   // Number of the link from a corner of a particle's stencil to the same or a later one: the offset (-1, 0 or 1 along
@@ -83,7 +87,7 @@ class MassMatrix {
   }
 
   // The rows of the faces of an axis: a particle reaches one node beyond its cell, along every axis.
-  void list_rows(int a) {
+  void list_rows(int a, std::span<double> lent) {
     shape_ = grid_.face_shape(a);
     line_ = shape_[up];
     around_ = grid_.periodic[up] ? grid_.shape[up] : line_;
@@ -106,7 +110,9 @@ class MassMatrix {
       rows_[r] = {nodes_, height};
       nodes_ += height;
     }
-    store_.resize(std::max(store_.size(), static_cast<std::size_t>((links + 1) * nodes_)));
+    const auto wanted = static_cast<std::size_t>((links + 1) * nodes_);
+    if (wanted > lent.size() && wanted > own_.size()) own_.resize(wanted);
+    store_ = wanted <= lent.size() ? lent.data() : own_.data();
   }
 
   template <int a>
@@ -115,7 +121,7 @@ class MassMatrix {
     const auto stride = Grid<D>::strides(rows_of<D>(shape_));
     const Row* rows = rows_.data();
     const index nodes = nodes_;
-    double* store = store_.data();
+    double* store = store_;
     parallel_for(nodes, [=](index k) {
       for (int l = 0; l <= links; ++l) store[l * nodes + k] = 0.0;
     });
@@ -168,7 +174,7 @@ class MassMatrix {
   void divide(double* mass, double* velocity) const {
     each_row([=, this](index r, const Row& row, index face) {
       double *m = mass + face, *v = velocity + face;
-      const double* momentum = store_.data() + row.first;
+      const double* momentum = store_ + row.first;
       std::fill(m, m + line_, 0.0);
       add_product(r, 1.0, nullptr, m);
       HOULE_INDEPENDENT
@@ -180,7 +186,7 @@ class MassMatrix {
   // next = now + (momentum - M now) / mass
   void refine(const double* mass, const double* now, double* next) const {
     each_row([=, this](index r, const Row& row, index face) {
-      const double *m = mass + face, *v = now + face, *momentum = store_.data() + row.first;
+      const double *m = mass + face, *v = now + face, *momentum = store_ + row.first;
       double* w = next + face;
       std::copy(momentum, momentum + row.height, w);
       std::fill(w + row.height, w + line_, 0.0);
@@ -218,7 +224,7 @@ class MassMatrix {
   // out[k] += factor c[k + s] v[k + t] on row r, with c link l on row `from`, v on row `to`
   void add_link(int l, index r, index from, index to, index s, index t, double factor, const double* v,
                 double* out) const {
-    const double* c = store_.data() + (1 + l) * nodes_ + rows_[from].first + s;
+    const double* c = store_ + (1 + l) * nodes_ + rows_[from].first + s;
     const double* x = v ? v + to * line_ + t : nullptr;
     const index begin = std::max<index>({0, -s, -t});
     const index end = std::min({rows_[r].height, rows_[from].height - s, around_ - t});

@@ -68,8 +68,8 @@ class Fmpm(Pic):
     def to_grid(self, flow: Flow) -> None:
         p = flow.particles
         if flow.kernel == "linear":
-            faces = (flow.velocity, flow.work.face_mass, flow.old_velocity)
-            flow.work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *faces)
+            spaces = (flow.velocity, flow.work.face_mass, flow.old_velocity, flow.work.store)
+            flow.work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *spaces)
             return
         super().to_grid(flow)
         for _ in range(1, self.order):

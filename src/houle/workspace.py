@@ -26,35 +26,36 @@ class Workspace:
         if particles == self.particles:
             return
         self.particles = particles
-        large_enough = "_store" in self.__dict__ and len(self._store) >= self._stored_numbers
-        for name in ("order", "spare", *(() if large_enough else ("_store", "_system"))):
+        large_enough = "store" in self.__dict__ and len(self.store) >= self._stored_numbers
+        for name in ("order", "spare", *(() if large_enough else ("store", "_system"))):
             self.__dict__.pop(name, None)
-
-    @cached_property
-    def order(self) -> np.ndarray:
-        """Of the particles, when they are sorted (N,)."""
-        return np.zeros(self.particles, np.int32)
 
     @property
     def _stored_numbers(self) -> int:
         grid = self.grid
         on_grid = 2 * math.prod(grid.shape) + sum(math.prod(grid.face_shape(a)) for a in range(grid.dimension))
-        return max(on_grid, self.particles * grid.dimension)
+        return max(on_grid, self.particles * grid.dimension + (self.particles + 1) // 2)
 
     @cached_property
-    def _store(self) -> FloatArray:
-        """One place for what is wanted while particles are sorted and for what is wanted while there is a pressure."""
+    def store(self) -> FloatArray:
+        """One place for what is wanted while particles are sorted, in a transfer, and while there is a pressure."""
         return np.zeros(self._stored_numbers)
 
     def _stored(self, *shapes: tuple[int, ...]) -> list[FloatArray]:
         """Arrays of these shapes, one after the other in the store."""
         ends = np.cumsum([0, *map(math.prod, shapes)])
-        return [self._store[i:j].reshape(shape) for i, j, shape in zip(ends, ends[1:], shapes, strict=False)]
+        return [self.store[i:j].reshape(shape) for i, j, shape in zip(ends, ends[1:], shapes, strict=False)]
 
     @cached_property
     def spare(self) -> FloatArray:
-        """(N, d), where the rows of an array go when they are sorted. Sorting overwrites the three below."""
+        """(N, d), where the rows of an array go when they are sorted. Sorting overwrites the system below."""
         return self._stored((self.particles, self.grid.dimension))[0]
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Of the particles, when they are sorted (N,); in the store behind the spare rows."""
+        n = self.particles
+        return self._stored((n, self.grid.dimension), ((n + 1) // 2,))[1].view(np.int32)[:n]
 
     @cached_property
     def _system(self) -> list[FloatArray]:
