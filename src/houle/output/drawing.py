@@ -19,25 +19,20 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib import rcParams
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import XAxis, YAxis
-from matplotlib.backend_bases import RendererBase
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT
 from matplotlib.patches import Polygon
 from matplotlib.text import Annotation
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from houle.grid import Grid
 from houle.output.atomic import replacing
-from houle.output.lettering import Canvas
-from houle.output.png import png
 
 INK, GREY, FAINT = "#22303c", "#7d8a96", "#dfe4e8"
 WATER, SHADE = "#1f5f8b", "#dceaf4"
@@ -46,7 +41,7 @@ STONE, STONE_LINE, SOLID = "#f3efe6", "#8c8069", "#c3c8cc"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
 DPI = 150
 TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
-TALL = 0.76  # of the size of a font: from its base line to the top of its letters
+COMPRESSION = 1  # of PNG: a third of the time of the usual 6
 
 _STYLE: dict[str, Any] = {
     "font.family": ["DejaVu Sans"],
@@ -82,31 +77,8 @@ def pressures() -> Colormap:
     return LinearSegmentedColormap.from_list("pressures", colours)
 
 
-class Tickless:
-    """An axis has a first tick as soon as ticks are clipped or given a look."""
-
-    def set_clip_path(self, *_: Any, **__: Any) -> None: ...
-    def set_tick_params(self, *_: Any, **__: Any) -> None: ...
-
-
-class Across(Tickless, XAxis): ...
-
-
-class Up(Tickless, YAxis): ...
-
-
 class Panel(Axes):
     """Axes without ticks of their own, which cost as much as all the rest of a picture: `scales` draws them."""
-
-    def _init_axis(self) -> None:
-        self.xaxis, self.yaxis = Across(self, clear=False), Up(self, clear=False)
-        for axis in (self.xaxis, self.yaxis):
-            axis.set_visible(False)
-
-    def clear(self) -> None:
-        super().clear()
-        for spine in self.spines.values():
-            spine.set_position(("outward", 0.0))  # else the first tick does it
 
     def grid(self, *_: Any, **__: Any) -> None:
         """There is none."""
@@ -124,10 +96,11 @@ class Sheet:
         """PNG, whole or not at all."""
         import houle
 
-        self.figure.set_dpi(DPI)
-        image = png(Canvas(self.figure).pixels(), DPI, {"Software": f"houle {houle.__version__}"})
         with replacing(path) as temporary:
-            temporary.write_bytes(image)
+            made_by = {"Software": f"houle {houle.__version__}"}
+            packing: Any = {"compress_level": COMPRESSION}
+            canvas = FigureCanvasAgg(self.figure)
+            canvas.print_figure(temporary, format="png", dpi=DPI, metadata=made_by, pil_kwargs=packing)
         return path
 
     def legend(self, handles: Sequence[Any], above: float = 0.1) -> None:
@@ -186,8 +159,10 @@ def sheet(
     for i in range(count):
         row, column = divmod(i, columns)
         x, y = left + column * (size[0] + gap[0]), height - top - (row + 1) * size[1] - row * gap[1]
-        place = (x / width, y / height, size[0] / width, size[1] / height)
-        panels.append(figure.add_axes(place, axes_class=Panel))
+        panel = figure.add_axes((x / width, y / height, size[0] / width, size[1] / height), axes_class=Panel)
+        panel.xaxis.set_visible(False)
+        panel.yaxis.set_visible(False)
+        panels.append(panel)
     room = width - left - right
     for words, most, y, colour, weight in ((title, 12.0, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
         points = min(most, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
@@ -197,49 +172,24 @@ def sheet(
 
 def scales(panel: Axes, below: bool, left: bool) -> None:
     """Ticks on the lower and the left side within the present limits, with numbers where it is said."""
-    for sideways, numbers in ((False, below), (True, left)):
-        scale(panel, sideways, numbers)
-
-
-def scale(panel: Axes, sideways: bool, numbers: bool, most: int = 5) -> None:
-    """Ticks on the lower side, or sideways on the left one, with so many intervals at most."""
-    low, high = sorted(panel.get_ylim() if sideways else panel.get_xlim())
-    air = 1e-9 * (high - low)
-    all_ticks = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-    at = [float(tick) for tick in np.asarray(all_ticks) if low - air <= tick <= high + air]
-    zero = [0.0] * len(at)
-    across = panel.get_yaxis_transform() if sideways else panel.get_xaxis_transform()
-    mark: Any = {"marker": TICKLEFT if sideways else TICKDOWN, "ls": "none", "ms": 3.0, "mew": 0.6, "color": GREY}
-    line = Line2D(zero if sideways else at, at if sideways else zero, transform=across, clip_on=False, **mark)
-    panel.add_artist(line)
-    if numbers:
-        panel.add_artist(Numbers(at, sideways))
-
-
-class Numbers(Artist):
-    """Numbers under the lower side of a panel, or sideways beside the left one. One artist for all: a `Text` for each
-    takes longer than a curve."""
-
-    def __init__(self, at: Sequence[float], sideways: bool) -> None:
-        super().__init__()
-        self.at, self.sideways = at, sideways
-        self.font = FontProperties(family=rcParams["font.family"], size=TEXT)
-        self.set_clip_on(False)
-
-    def draw(self, renderer: RendererBase) -> None:
-        panel: Any = self.axes
-        graphics = renderer.new_gc()
-        graphics.set_foreground(INK)
-        away, tall = (renderer.points_to_pixels(points) for points in (6.5, TALL * TEXT))
-        for value, words in zip(self.at, as_numbers(self.at), strict=True):
-            width, height, below = renderer.get_text_width_height_descent(words, self.font, False)
-            x, y = panel.transData.transform((value, value))
-            if self.sideways:
-                x, y = panel.bbox.x0 - away - width, y - 0.5 * (height - below)
-            else:
-                x, y = x - 0.5 * width, panel.bbox.y0 - away - tall
-            renderer.draw_text(graphics, x, renderer.get_canvas_width_height()[1] - y, words, self.font, 0.0)
-        graphics.restore()
+    for sideways, limits, numbers in ((False, panel.get_xlim(), below), (True, panel.get_ylim(), left)):
+        low, high = sorted(limits)
+        air = 1e-9 * (high - low)
+        all_ticks = MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        at = [float(tick) for tick in np.asarray(all_ticks) if low - air <= tick <= high + air]
+        zero = [0.0] * len(at)
+        across = panel.get_yaxis_transform() if sideways else panel.get_xaxis_transform()
+        mark: Any = {"marker": TICKLEFT if sideways else TICKDOWN, "ls": "none", "ms": 3.0, "mew": 0.6, "color": GREY}
+        line = Line2D(zero if sideways else at, at if sideways else zero, transform=across, clip_on=False, **mark)
+        panel.add_artist(line)
+        if not numbers:
+            continue
+        shift = (-6.5 / 72, 0.0) if sideways else (0.0, -6.5 / 72)
+        place = across + ScaledTranslation(*shift, panel.figure.dpi_scale_trans)
+        look: Any = {"ha": "right", "va": "center_baseline"} if sideways else {"ha": "center", "va": "top"}
+        for tick, words in zip(at, as_numbers(at), strict=True):
+            x, y = (0.0, tick) if sideways else (tick, 0.0)
+            panel.text(x, y, words, transform=place, **look)
 
 
 def as_numbers(values: Sequence[float]) -> list[str]:

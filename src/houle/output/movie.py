@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
@@ -13,7 +14,6 @@ from houle.frame import Frame
 from houle.grid import Grid
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
-from houle.output.lettering import Canvas
 from houle.output.section import Section, colour_bar, pressure_scale
 
 NAME = "movie.mp4"
@@ -45,7 +45,7 @@ class _Film:
 
     def __init__(self, section: Section, first: Frame, scale: Normalize) -> None:
         self.section, page = section, section.sheet(1, "pressure of the particles", below=0.45)
-        self.panel, self.canvas = page.panels[0], Canvas(page.figure)
+        self.panel, self.canvas = page.panels[0], FigureCanvasAgg(page.figure)
         page.figure.set_dpi(drawing.DPI)
         self.gates = section.draw(self.panel, first.time, over=True)
         self.marks = section.draw_particles(self.panel, first, scale)
@@ -60,6 +60,7 @@ class _Film:
         for gate in self.gates:
             gate.remove()
         self.gates = drawing.draw_gates(self.panel, self.section.case.gate, frame.time, self.section.height)
-        pixels = self.canvas.pixels()
+        self.canvas.draw()
+        pixels = np.asarray(self.canvas.buffer_rgba())[..., :3]
         more = [(0, -n % BLOCK) for n in pixels.shape[:2]]
         return np.pad(pixels, (*more, (0, 0)), constant_values=255)

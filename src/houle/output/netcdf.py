@@ -1,8 +1,7 @@
 """netCDF-4 files as tables of variables over named dimensions, and tables that grow in time.
 
-A netCDF-4 file is an HDF5 file whose coordinates are dimension scales (NetCDF User's Guide, appendix "File format
-specifications"): h5py writes it in a fifth of the time that h5netcdf takes. xarray takes half a second to be imported:
-only who asks for a Dataset pays for that.
+h5netcdf writes and reads them; xarray, on top of it, takes half a second to be imported: only who asks for a Dataset
+pays for that.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import h5netcdf
 import h5py
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +23,6 @@ if TYPE_CHECKING:
     import xarray
 
 COMPRESSED = 1000  # values, from which on a variable is worth it
-OF_THE_FORMAT = (
-    "CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Coordinates", "_Netcdf4Dimid", "_FillValue",
-    "coordinates",
-)  # fmt: skip
 NOT_OF_A_RUN = "is this the folder of a run?"
 
 
@@ -66,58 +62,40 @@ class Table(Mapping[str, Variable]):
 def write(path: Path, table: Table) -> None:
     """The whole file or nothing; every dimension has a coordinate. Missing values are NaN, coordinates have none."""
     sizes = table.sizes
-    number = {dimension: i for i, dimension in enumerate(sizes)}
-    with replacing(path) as temporary, Sink(temporary) as sink, h5py.File(sink, "w", track_order=True) as file:
+    with replacing(path) as temporary, Sink(temporary) as sink, h5netcdf.File(sink, "w") as file:
         file.attrs.update(table.attrs)
-        file.attrs["_NCProperties"] = np.bytes_(f"version=2,h5py={h5py.__version__},hdf5={h5py.version.hdf5_version}")
-        stored = {name: _store(file, name, variable, name in table.variables) for name, variable in table.items()}
-        for dimension in sizes:
-            stored[dimension].make_scale(dimension)
+        file.dimensions = sizes
         for name, variable in table.items():
-            numbers = np.array([number[dimension] for dimension in variable.dims], np.int32)
-            stored[name].attrs.update(_Netcdf4Coordinates=numbers, _Netcdf4Dimid=numbers[0])
-            for i, dimension in enumerate(variable.dims if name not in sizes else ()):
-                stored[name].dims[i].attach_scale(stored[dimension])
+            words, measured = variable.values.dtype == object, name in table.variables
+            options: dict[str, Any] = {"fillvalue": np.nan} if measured else {}
+            if variable.values.size > COMPRESSED:
+                options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+            kind = h5py.string_dtype() if words else variable.values.dtype
+            stored = file.create_variable(name, variable.dims, kind, data=variable.values, **options)
+            stored.attrs.update(variable.attrs)
             beside = {n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)}
-            if name in table.variables and beside:
-                stored[name].attrs["coordinates"] = " ".join(sorted(beside))
-
-
-def _store(file: h5py.File, name: str, variable: Variable, measured: bool) -> h5py.Dataset:
-    """The values and what they mean; measured ones may be missing."""
-    values = variable.values
-    options: dict[str, Any] = {"fillvalue": np.nan} if measured else {}
-    if values.size > COMPRESSED:
-        options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-    kind = h5py.string_dtype() if values.dtype == object else values.dtype
-    stored = file.create_dataset(name, values.shape, kind, values, track_order=True, **options)
-    stored.attrs.update({"_FillValue": np.array([np.nan]), **variable.attrs} if measured else variable.attrs)
-    return stored
+            if measured and beside:
+                stored.attrs["coordinates"] = " ".join(sorted(beside))
 
 
 def read(path: Path) -> Table:
     """A file of `write`, in memory and closed. OutputError when it cannot be read."""
     try:
-        with h5py.File(path, "r") as file:
-            scales = {number: name for name, stored in file.items() if (number := _scale(stored)) is not None}
-            beside = {word for stored in file.values() for word in stored.attrs.get("coordinates", "").split()}
-            found = {name: _load(stored, scales) for name, stored in file.items()}
-            attrs = {key: value for key, value in file.attrs.items() if key != "_NCProperties"}
+        with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
+            beside = {
+                word for stored in file.variables.values() for word in stored.attrs.get("coordinates", "").split()
+            }
+            found = {name: _load(stored) for name, stored in file.variables.items()}
+            attrs = dict(file.attrs)
     except (OSError, KeyError, RuntimeError) as error:
         raise OutputError(path, str(error), NOT_OF_A_RUN, verb="read") from error
     coordinates = {name: v for name, v in found.items() if name in v.dims or name in beside}
     return Table({name: v for name, v in found.items() if name not in coordinates}, coordinates, attrs)
 
 
-def _scale(stored: h5py.Dataset) -> int | None:
-    """The number of the dimension that a coordinate lies along; None of all else."""
-    return int(stored.attrs["_Netcdf4Dimid"]) if "CLASS" in stored.attrs else None
-
-
-def _load(stored: h5py.Dataset, scales: Mapping[int, str]) -> Variable:
-    dimensions = tuple(scales[number] for number in stored.attrs["_Netcdf4Coordinates"])
-    values = stored.asstr()[...] if h5py.check_string_dtype(stored.dtype) else stored[...]
-    return Variable(dimensions, values, {k: v for k, v in stored.attrs.items() if k not in OF_THE_FORMAT})
+def _load(stored: Any) -> Variable:
+    attrs = {key: value for key, value in stored.attrs.items() if key not in ("coordinates", "_FillValue")}
+    return Variable(stored.dimensions, stored[...], attrs)
 
 
 def read_dataset(path: Path) -> xarray.Dataset:

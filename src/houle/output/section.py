@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backend_bases import RendererBase
 from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -21,17 +20,6 @@ WIDER = 1.42  # side of a mark over that of the square the particle fills: the w
 STRETCHED = 5.5  # longest panel, length over height; a longer flume is stretched upwards
 LOW = 0.12  # share of the still water depth below which waves are too low to be seen beside it
 CLOSE = 1.6  # heights of such waves that are shown above and below still water
-
-
-class Pixels(AxesImage):
-    """An image with a value for every pixel of its panel, from the lower left corner: nothing is sampled anew."""
-
-    def draw(self, renderer: RendererBase) -> None:
-        box, graphics = self.axes.bbox, renderer.new_gc()
-        graphics.set_clip_rectangle(box)
-        colours = self.to_rgba(np.asarray(self.get_array()), bytes=True)
-        renderer.draw_image(graphics, round(box.x0), round(box.y0), colours)
-        graphics.restore()
 
 
 class Section:
@@ -106,10 +94,9 @@ class Section:
         """The image of `pressures` at the pixels of the panel; for the next frame, set_data() is enough."""
         box = panel.get_window_extent()
         pixels = (round(box.width / panel.figure.dpi * drawing.DPI), round(box.height / panel.figure.dpi * drawing.DPI))
-        marks = Pixels(panel, cmap=drawing.pressures(), norm=scale, zorder=2)
-        marks.set_data(self.pressures(frame, pixels))
-        panel.add_image(marks)
-        return marks
+        extent = (0.0, self.grid.size[0], 0.0, self.height)
+        look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "nearest", "zorder": 2}
+        return panel.imshow(self.pressures(frame, pixels), cmap=drawing.pressures(), norm=scale, extent=extent, **look)
 
     def pressures(self, frame: Frame, pixels: tuple[int, int]) -> FloatArray:
         """[kPa] at the pixels (z, x) of a panel, NaN where no water is.
@@ -159,12 +146,13 @@ def colour_bar(page: Sheet, marks: Any, words: str) -> None:
     """A slim bar under the panels."""
     width, height = page.figure.get_size_inches()
     first = page.panels[0].get_position()
-    place = (first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height)
-    bar = page.figure.add_axes(place, axes_class=drawing.Panel)
+    bar = page.figure.add_axes((first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height))
     low, high = marks.get_clim()
     bar.imshow(np.linspace(low, high, 256)[None], cmap=marks.cmap, extent=(low, high, 0.0, 1.0), aspect="auto")
+    bar.set_yticks([])
     bar.set_frame_on(False)
-    drawing.scale(bar, sideways=False, numbers=True, most=6)
+    bar.tick_params(length=2)
+    bar.locator_params(axis="x", nbins=6)
     bar.text(1.03, 0.5, words, transform=bar.transAxes, va="center")
 
 
