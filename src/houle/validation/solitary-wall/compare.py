@@ -35,7 +35,8 @@ def compare(run: Run) -> list[Check]:
     climbed, top = peak(time, eta[-1])[1], run_up(float(crest[-1]), depth)
     return [
         report("crest at the first gauge over the target", float(crest[0] / waves.height)),
-        Check("crest after 20 depths, off the first", 100 * abs(1 - crest[-1] / crest[0]), "%", CREST if fine else None),
+        Check("crest after 20 depths, off the first", 100 * abs(1 - crest[-1] / crest[0]), "%",
+              CREST if fine else None),
         Check("celerity off third order", 100 * abs(speed / exact - 1), "%", CELERITY if fine else None,
               note=f"{speed:.4f} m/s, theory {exact:.4f} for the crest as it is"),
         Check("run-up off third order", 100 * abs(climbed / top - 1), "%", RUN_UP if fine else None,
