@@ -187,7 +187,7 @@ def test_the_report_names_wave_maker_and_sponge():
     assert "1.50 wavelengths" in dict(wave_report.wave_rows(GOOD["zone"]))["made by"]
     (_, words), (name, left) = wave_report.sponge_rows(GOOD["source"])
     assert name == "sponge.sponge-2" and left.startswith("left side, 2.5 m long (1.50 wavelengths)")
-    assert words.startswith("right") and "1 % of the waves come back" in words
+    assert words.startswith("right") and ": 0.3 % of the waves come back" in words
     weak = wave_report.sponge_rows(flume(sponge=[SPONGE | {"strength": 1.0}]))[0][1]
     assert "up to 1 1/s" in weak and "47 %" in weak  # exp(-2.5 / (3 * 1.10))
 
