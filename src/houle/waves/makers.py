@@ -147,7 +147,7 @@ class RelaxationZone:
     What comes back from the structure is damped on its way in, by a sigma that grows gently enough to send little back.
     Where the zone begins at a wall, the wave of theory would cross it: over the first third the wave grows from
     nothing, so that the water it needs comes from the level there, and sigma grows faster, so that the flow follows. An
-    open side lets the wave pass. The vertical velocity is what continuity asks for.
+    open side lets the wave pass, and needs neither. The vertical velocity is what continuity asks for.
 
     faces, cells  of axis 0, those it covers
     """
@@ -186,7 +186,7 @@ class RelaxationZone:
         x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
         firm = FIRM * damping(wave.group_velocity, end - start)
         inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its start
-        at_faces, at_centres = (firm * (s**2 + HARD * s**6) for s in inwards)
+        at_faces, at_centres = (firm * (s**2 + (HARD * s**6 if wall else 0.0)) for s in inwards)
         up = grid.dimension - 1
         return cls(
             wave, faces, cells, x[0], grid.axis_points(up), grid.spacing[up] / h,
