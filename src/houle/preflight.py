@@ -21,7 +21,7 @@ from houle.tables.control import WAVE_SHARE
 from houle.viscosity import longest_step
 from houle.wave_checks import reach, wave_of
 
-MICROSECONDS = 1.0  # of one core per particle and step, everything on; `houle bench` measures yours
+MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle bench` measures yours
 LONGEST = 5.5  # of the picture of a section, its length over its height
 STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
 
