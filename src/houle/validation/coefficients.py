@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from houle.analysis import Reflection, Scatter
     from houle.runner import Run
 
+FRICTION = np.linspace(0.05, 1.2, 24)  # of the curves
 HEAD = ("variant", "T s", "n", "f", "behind", "H_I mm", "C_R", "95 %", "theory", "C_T", "95 %", "theory")
 PERIODS = {1.0: LINES[0], 1.5: LINES[1], 2.0: LINES[2]}  # s -> colour
 MARGINS = (0.62, 0.25, 0.8, 0.95)  # inches: left, right, bottom with the key, top
@@ -38,6 +40,7 @@ class Row:
     known: Scatter
 
     @classmethod
+    @cache
     def of(cls, variant: str, run: Run) -> Row:
         found, body = reflection.measure(run), run.case.porous[0]
         known = reflection.theory(run.case, found.H_I)
@@ -85,12 +88,17 @@ def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
         page.save(path)
 
 
+@cache
+def _theory(period: float, depth: float, width: float, porosity: float, wall: bool) -> list[Scatter]:
+    """At each of FRICTION."""
+    return [porous_block(2 * np.pi / period, depth, width, porosity, f, wall=wall, modes=12) for f in FRICTION]
+
+
 def _any(rows: Sequence[Row], name: str, wall: bool) -> bool:
     return any(row.wall == wall for row in rows) and not (wall and name == "C_T")
 
 
 def _panel(axes: Any, name: str, wall: bool, rows: Sequence[Row]) -> None:
-    friction = np.linspace(0.05, 1.2, 24)
     for row in rows:
         period, colour = row.found.period, PERIODS.get(round(row.found.period, 3), INK)
         value, (low, high) = getattr(row.found, name), getattr(row.found, f"interval_{name[-1]}")
@@ -98,9 +106,6 @@ def _panel(axes: Any, name: str, wall: bool, rows: Sequence[Row]) -> None:
             row.known.friction, value, [[value - low], [high - value]], fmt="o", ms=4, color=colour, elinewidth=0.8,
             capsize=2,
         )  # fmt: skip
-        curve = [
-            porous_block(2 * np.pi / period, row.found.depth, row.width, row.porosity, f, wall=wall, modes=12)
-            for f in friction
-        ]
-        axes.plot(friction, [getattr(known, name) for known in curve], color=colour, lw=0.9)
+        curve = _theory(period, row.found.depth, row.width, row.porosity, wall)
+        axes.plot(FRICTION, [getattr(known, name) for known in curve], color=colour, lw=0.9)
     axes.set(xlim=(0.0, 1.2), ylim=(0.0, 1.05))
