@@ -158,27 +158,30 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
           "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
 }
 
+// Numbers in each of the rows that two arrays have, one row for each entry of `order`.
+static index row_width(const Array<std::int32_t>& order, const Field& one, const char* one_name, const Field& other,
+                       const char* other_name) {
+  const index n = static_cast<index>(order.size()), width = n ? static_cast<index>(one.size()) / n : 1;
+  require_size(one.size(), n * width, one_name);
+  require_size(other.size(), n * width, other_name);
+  return width;
+}
+
 static void bind_permute(nb::module_& m) {
   m.def(
       "permute",
       [](Array<std::int32_t> order, Field from, Field to) {
-        const index n = static_cast<index>(order.size());
-        const index width = n ? static_cast<index>(from.size()) / n : 1;
-        require_size(from.size(), n * width, "from");
-        require_size(to.size(), n * width, "to");
+        const index width = row_width(order, from, "from", to, "to");
         nb::gil_scoped_release release;
-        permute(n, width, order.data(), from.data(), to.data());
+        permute(static_cast<index>(order.size()), width, order.data(), from.data(), to.data());
       },
       "order"_a, "from_"_a, "to"_a, "to[k] = from_[order[k]], rows of any width.");
   m.def(
       "reorder",
       [](Array<std::int32_t> order, Field rows, Field spare) {
-        const index n = static_cast<index>(order.size());
-        const index width = n ? static_cast<index>(rows.size()) / n : 1;
-        require_size(rows.size(), n * width, "rows");
-        require_size(spare.size(), n * width, "spare");
+        const index width = row_width(order, rows, "rows", spare, "spare");
         nb::gil_scoped_release release;
-        reorder(n, width, order.data(), rows.data(), spare.data());
+        reorder(static_cast<index>(order.size()), width, order.data(), rows.data(), spare.data());
       },
       "order"_a, "rows"_a, "spare"_a, "rows[k] = old rows[order[k]]; spare, of the same shape, is work space.");
 }

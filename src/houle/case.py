@@ -25,6 +25,7 @@ from houle.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic, Run
 from houle.tables.results import Reference, Reflection
 from houle.tables.sides import Open
 from houle.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
+from houle.viscosity import longest_step
 from houle.waves.table import Waves
 
 
@@ -98,6 +99,11 @@ class Case(Table):
         """Gravity and fluid.acceleration together, per axis, last up [m/s2]."""
         push = self.fluid.acceleration or (0.0,) * self.dimension
         return (*push[:-1], push[-1] - self.fluid.gravity)
+
+    @property
+    def viscous_step(self) -> float:
+        """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
+        return longest_step(self.domain.grid, self.fluid.viscosity, self.numerics.scheme == "jh2020")
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, tables and numbers as a file would hold them, defaults written out; `load` reads it back."""

@@ -23,7 +23,6 @@ from houle.errors import CaseError
 from houle.layout import Finding, Section, axes
 from houle.open_checks import open_sides_fit
 from houle.paddle_checks import paddles_fit
-from houle.viscosity import longest_step
 from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
@@ -265,8 +264,7 @@ def times(s: Section) -> Iterator[Finding]:
             f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
         )
     nu = s.case.fluid.viscosity
-    nu = s.case.fluid.viscosity
-    viscous = longest_step(s.grid, nu, s.case.numerics.scheme == "jh2020")
+    nu, viscous = s.case.fluid.viscosity, s.case.viscous_step
     if t.step is not None and t.step > viscous:
         text = f"= {t.step:g} s is unstable with fluid.viscosity = {nu:g} m2/s: at most {0.99 * viscous:.3g}"
         yield Finding("error", "time.step", f"{text}, or courant = 0.5, which finds it")

@@ -18,7 +18,6 @@ from houle.layout import Body, Section
 from houle.paddle_checks import moving_walls
 from houle.resistance import Passport, passport
 from houle.tables.control import WAVE_SHARE
-from houle.viscosity import longest_step
 from houle.wave_checks import reach, wave_of
 
 MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle bench` measures yours
@@ -68,8 +67,7 @@ def price(case: Case, threads: int = 1) -> Price:
     slow = min([1.0, *(b.entry.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
     fastest = expected_speed(s) / (1.0 if s.drop() > h else slow)
     crossed = min(h / fastest, WAVE_SHARE * sqrt(h / max(case.fluid.gravity, 1e-12)))  # of a cell, by water; by waves
-    viscous = longest_step(g, case.fluid.viscosity, case.numerics.scheme == "jh2020")
-    step = case.time.step or min(case.time.courant * crossed, viscous)
+    step = case.time.step or min(case.time.courant * crossed, case.viscous_step)
     steps = int(np.ceil(case.time.end / step))
     frames = 1 + case.time.end / case.output.every
     per_frame = 4 * ((2 * d + 3) * particles + (d + 3) * cells)  # float32

@@ -36,7 +36,6 @@ from houle.step import STEPS
 from houle.tables.control import WAVE_SHARE
 from houle.tables.tank import Porous
 from houle.transfer import make
-from houle.viscosity import longest_step
 from houle.waves.makers import Stream, damping, make_maker
 from houle.waves.piston import law_of, reading_of
 from houle.waves.sponge import resist, way_length
@@ -59,7 +58,7 @@ class Simulation:
         self.case, self.grid = case, case.domain.grid
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0
-        self.viscous_step = longest_step(self.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020")
+        self.viscous_step = case.viscous_step
         self._build(first_rows(case))
         self.ledger = Ledger(self.flow)
         prepare(self.flow, self.step.transfer, self.ledger)
