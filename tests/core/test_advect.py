@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
+import reference_transfer
 from clouds import grids, linear_faces, random_faces, randoms, scattered, start_of
 from houle import _core
 from houle.geometry import Box, node_distance
@@ -56,7 +57,7 @@ def test_motion_against_the_twin(grid, random, porous, obstructed):
 
     own, clear = np.empty_like(x), np.ones(len(x))
     _core.to_particles(grid.core, "linear", x, None, clear, start_of(grid, x), u, [], [], 0.0, own)
-    own_porosity = reference.gather_cells(grid, x, porosity) if porous else None
+    own_porosity = reference_transfer.gather_cells(grid, x, porosity) if porous else None
     found = move(grid, u, dt, x, porosity, distance, gates, own, own_porosity)  # the first stage known already
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 

@@ -9,8 +9,7 @@ import shapely
 from houle.errors import CaseError
 from houle.geometry import EVERYWHERE, Box, Polygon, Union, layers, node_distance, section, shape_of
 from houle.grid import Grid
-from houle.moments import Measure, around_faces, covered_faces, over_cells, section_moments
-from reference import with_tent
+from houle.moments import Measure, around_faces, covered_faces, over_cells, section_moments, with_tent
 
 ROUND_OFF = 1e-12
 STAR = shapely.Polygon(

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import reference
+import reference_transfer as reference
 from clouds import start_of
 from houle import _core
 from houle.grid import Grid

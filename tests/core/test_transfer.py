@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import reference
+import reference_transfer as reference
 from clouds import each_once, grids, in_order, linear_faces, random_faces, randoms, scattered, start_of
 from houle import _core
 from houle.grid import Grid
