@@ -70,11 +70,11 @@ inline index share_bound(index n, int shares, int share, Place place) {
 // per thread are not worth waking it.
 template <class Bound, class Body>
 inline void parallel_for_shares(index n, Bound bound, const Body& body, index grain) {
-  constexpr index chunks = 4;  // per share: what the other threads can take over
+  constexpr index most = 16;  // chunks per share: what the other threads can take over
   Team& team = Team::shared();
   const int shares = static_cast<int>(std::min<index>(team.size(), n / grain));
   if (shares > 1) {
-    const index chunk = (n + chunks * shares - 1) / (chunks * shares);
+    const index chunk = std::max((n + most * shares - 1) / (most * shares), grain / 4);
     if (team.run(loop_of(body, chunk, shares), [=](int s) { return bound(s, shares); })) return;
   }
   run_share(0, n, body);

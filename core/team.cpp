@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto AWAKE = std::chrono::microseconds(100);  // how long a thread without work stays: a few calls from Python
+constexpr auto AWAKE = std::chrono::milliseconds(1);  // how long a thread without work stays: Python between two loops
 constexpr int PATIENCE = 4000;                          // looks at a chunk under way before the core is offered to it
 
 inline void pause() {
