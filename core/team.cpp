@@ -16,7 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto AWAKE = std::chrono::milliseconds(1);  // how long a thread without work stays: Python between two loops
-constexpr int PATIENCE = 4000;                          // looks at a chunk under way before the core is offered to it
+constexpr int PATIENCE = 4000;                        // looks at a chunk under way before the core is offered to it
 
 inline void pause() {
 #if defined(__x86_64__) || defined(_M_X64)
