@@ -18,18 +18,20 @@ template <int D, class Real>
 struct Level {
   Layout<D> layout;
   std::array<Field<Real>, D> k;  // of the lower face of each cell along each axis
-  Field<Real> e, d, inverse;     // d = e + sum of k; inverse = 1 / d, zero outside the active cells
+  Field<Real> d, inverse;        // d = e + sum of k; inverse = 1 / d, zero outside the active cells
   Field<Real> x, b, r;
+
+  Field<Real>& e() { return r; }  // wanted until the level is coarsened; residuals come after that
 
   Level(const std::array<index, D>& shape, const std::array<bool, D>& periodic) : layout(shape, periodic) {
     for (auto& f : k) f.allocate(layout.size);
-    for (auto* f : {&e, &d, &inverse, &x, &b, &r}) f->allocate(layout.size);
+    for (auto* f : {&d, &inverse, &x, &b, &r}) f->allocate(layout.size);
   }
 
   void clear(const Pencil& now, index p) {
     if (layout.shrinks(now, p)) {
       for (auto& f : k) layout.clear(f, now, p);
-      for (auto* f : {&e, &d, &inverse, &x, &b, &r}) layout.clear(*f, now, p);
+      for (auto* f : {&d, &inverse, &x, &b, &r}) layout.clear(*f, now, p);
     }
     layout.old_begin[p] = now.begin;
     layout.old_end[p] = now.end;
@@ -169,11 +171,11 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
           }
         }
         Real* k = c->k[D - 1].c[colour] + row.at;
-        Real* e = c->e.c[colour] + row.at;
+        Real* e = c->e().c[colour] + row.at;
         const Real* link = f->k[D - 1].c[even] + at;
         const Real* inner = f->k[D - 1].c[1 - even] + at;
-        const Real* e0 = f->e.c[even] + at;
-        const Real* e1 = f->e.c[1 - even] + at;
+        const Real* e0 = f->e().c[even] + at;
+        const Real* e1 = f->e().c[1 - even] + at;
         HOULE_INDEPENDENT
         for (index m = row.begin; m < row.end; ++m) {
           k[m] = (i > 0 ? k[m] : Real(0)) + coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
@@ -192,14 +194,14 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
     for (int colour = 0; colour < 2; ++colour) exchange(lc, coarse.k[a], colour, a);
   for_rows(lc, [=](const Pencil& row) {
     for (int colour = 0; colour < 2; ++colour) {
-      const Level<D, Real>* level = c;
+      Level<D, Real>* level = c;
       std::array<const Real*, 2 * D> k;
       for (int a = 0; a < D; ++a) {
         k[2 * a] = level->k[a].c[colour] + row.at;
         const index up = a < D - 1 ? level->layout.step[a] : (row.parity + colour) & 1;
         k[2 * a + 1] = level->k[a].c[1 - colour] + row.at + up;
       }
-      const Real* e = level->e.c[colour] + row.at;
+      const Real* e = level->e().c[colour] + row.at;
       Real* d = level->d.c[colour] + row.at;
       const index end = std::min<index>(row.end, (level->layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
       HOULE_INDEPENDENT

@@ -42,14 +42,21 @@ struct Field {
   std::vector<Real> store;
   std::array<Real*, 2> c{};
 
-  void allocate(index size) {  // zeroed; colours and fields are staggered so that streams do not share cache sets
+  // Zeroed; colours and fields are staggered so that streams do not share cache sets. only: the one colour that is
+  // wanted; the other, null, has no memory.
+  void allocate(index size, int only = -1) {
     static int stagger = 0;
     const index line = 64 / sizeof(Real);
-    store.assign(static_cast<std::size_t>(2 * size + 132 * line), Real(0));
+    store.assign(static_cast<std::size_t>((only < 0 ? 2 : 1) * size + 132 * line), Real(0));
     auto address = reinterpret_cast<std::uintptr_t>(store.data());
     Real* base = store.data() + (64 - address % 64) % 64 / sizeof(Real) + line;
-    for (int i = 0; i < 2; ++i) c[i] = base + i * size + line * (stagger = (stagger + 5) % 64);
-    if (c[1] < c[0] + size) c[1] += 64 * line;
+    c = {};
+    for (int i = 0; i < 2; ++i) {
+      if (only >= 0 && i != only) continue;
+      c[i] = base + line * (stagger = (stagger + 5) % 64);
+      base += size;
+    }
+    if (only < 0 && c[1] < c[0] + size) c[1] += 64 * line;
   }
 };
 
@@ -137,6 +144,7 @@ struct Layout {
   template <class Real>
   void clear(const Field<Real>& f, const Pencil& now, index p) const {
     for (int c = 0; c < 2; ++c) {
+      if (!f.c[c]) continue;
       Real* row = f.c[c] + now.at;
       for (index m = old_begin[p]; m < std::min(now.begin, old_end[p]); ++m) row[m] = 0;
       for (index m = std::max(now.end, old_begin[p]); m < old_end[p]; ++m) row[m] = 0;

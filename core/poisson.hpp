@@ -1,12 +1,14 @@
 // Pressure: sum over faces k_f (p_c - p_nb) + e_c p_c = rhs_c in the active cells of a MAC grid, by conjugate gradients
 // preconditioned with one multigrid V-cycle (multigrid.hpp; storage in pencils.hpp).
 //
-// The cycle is in single precision (Real), conjugate gradients in double. They run on the red cells of the
-// checkerboard, the black ones following so that their residual stays zero. Every result is bitwise the same for any
-// number of threads.
+// Solution, search direction and all products with the matrix are in double precision, the cycle and the residual that
+// conjugate gradients carry on in single (Real): the true one, which decides, is taken anew from the solution. They run
+// on the red cells of the checkerboard, the black ones following so that their residual stays zero. Every result is
+// bitwise the same for any number of threads.
 #pragma once
 
 #include <cmath>
+#include <functional>
 
 #include "components.hpp"
 #include "multigrid.hpp"
@@ -25,7 +27,11 @@ class PressureSolver {
       : grid_(grid), levels_(hierarchy(grid)), mask_(grid.shape), components_(fine()) {
     const auto& l = fine();
     for (auto& f : k_) f.allocate(l.size);
-    for (auto* f : {&d_, &inverse_, &x_, &b_, &r_, &p_, &q_}) f->allocate(l.size);
+    const int red = colours() == 2 ? -1 : 0, black = colours() == 2 ? -1 : 1;
+    for (auto* f : {&x_, &b_, &p_}) f->allocate(l.size);
+    d_.allocate(l.size, red);
+    inverse_.allocate(l.size, black);
+    q_.allocate(l.size, red);
     part_.assign(l.pencils, 0);
   }
 
@@ -59,27 +65,27 @@ class PressureSolver {
     load(rhs, b_);
     components_.remove_means(b_);
     components_.remove_means(x_);
-    double norm = true_residual(), reached = norm;
+    scale_ = 1;
+    double norm = true_residual(), reached = norm, peak = norm;
+    scale_residual(1 / norm);
     int iterations = 0;
-    bool restart = true;
     double rz = 0;
     while (!(norm <= tolerance) && std::isfinite(norm) && iterations < max_iterations) {
-      if (restart) round_residual(1 / norm);
       multigrid::cycle(levels_);
       const double rz_new = dot_rz();
       if (!(rz_new > 0)) break;
-      direction(restart ? 0.0 : rz_new / rz);
+      direction(rz > 0 ? rz_new / rz : 0.0);
       rz = rz_new;
       const double pq = apply();
       if (!(pq > 0)) break;
       norm = advance(rz / pq);
       ++iterations;
-      restart = false;
-      if (norm <= tolerance) {
+      peak = std::max(peak, norm);
+      if (norm <= std::max(tolerance, trusted * peak)) {
+        const double believed = norm;
         norm = true_residual();
-        if (norm > 0.5 * reached) break;  // round-off reached
-        reached = norm;
-        restart = true;
+        if (norm > 2 * believed && norm > 0.5 * reached) break;  // round-off reached
+        reached = peak = norm;
       }
     }
     components_.remove_means(x_);
@@ -96,8 +102,10 @@ class PressureSolver {
   Grid<D> grid_;
   std::vector<multigrid::Level<D, Real>> levels_;
   std::array<Doubles, D> k_;
-  Doubles d_, inverse_, x_, b_, r_, p_, q_;
-  std::vector<double> part_;  // one partial sum per block of pencils
+  Doubles d_, inverse_;  // of the red and of the black cells only, as everything is reduced to the red ones
+  Doubles x_, b_, p_;
+  multigrid::Field<Real> q_;
+  std::vector<double> part_;  // one partial result per block of pencils
   multigrid::Mask<D> mask_;
   multigrid::ClosedComponents<D> components_;
   double scale_ = 1;
@@ -137,7 +145,8 @@ class PressureSolver {
     const Pencil now = l.pencil(p);
     if (l.shrinks(now, p)) {
       for (auto& f : k_) l.clear(f, now, p);
-      for (auto* f : {&d_, &inverse_, &x_, &b_, &r_, &p_, &q_}) l.clear(*f, now, p);
+      for (auto* f : {&d_, &inverse_, &x_, &b_, &p_}) l.clear(*f, now, p);
+      l.clear(q_, now, p);
     }
     levels_[0].clear(now, p);
   }
@@ -172,8 +181,9 @@ class PressureSolver {
         kd[a] = k_[a].c[c] + row.at;
         kf[a] = level.k[a].c[c] + row.at;
       }
-      double *d = d_.c[c] + row.at, *inverse = inverse_.c[c] + row.at;
-      Real *df = level.d.c[c] + row.at, *ef = level.e.c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
+      double* d = d_.c[c] ? d_.c[c] + row.at : nullptr;
+      double* inverse = inverse_.c[c] ? inverse_.c[c] + row.at : nullptr;
+      Real *df = level.d.c[c] + row.at, *ef = level.e().c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
       HOULE_INDEPENDENT
       for (index m = row.begin; m < end; ++m) {
         const index j = 2 * m + s;
@@ -189,10 +199,10 @@ class PressureSolver {
           kf[a][m] = static_cast<Real>(v);
           sum += v + w;
         }
-        d[m] = sum;
         df[m] = static_cast<Real>(sum);
         const double one_over = sum > 0 ? 1 / sum : 0.0;
-        inverse[m] = one_over;
+        if (d) d[m] = sum;
+        if (inverse) inverse[m] = one_over;
         inversef[m] = static_cast<Real>(one_over);
       }
     }
@@ -201,7 +211,8 @@ class PressureSolver {
   // ---- conjugate gradients
 
   void forget() {  // zeroes all vectors, so that no NaN survives in entries that are never read but multiplied by zero
-    for (auto* f : {&x_, &b_, &r_, &p_, &q_}) std::fill(f->store.begin(), f->store.end(), 0.0);
+    for (auto* f : {&x_, &b_, &p_}) std::fill(f->store.begin(), f->store.end(), 0.0);
+    std::fill(q_.store.begin(), q_.store.end(), Real(0));
     for (auto& level : levels_)
       for (auto* f : {&level.x, &level.b, &level.r}) std::fill(f->store.begin(), f->store.end(), Real(0));
   }
@@ -219,7 +230,7 @@ class PressureSolver {
           for (index s = 0; s < 2; ++s) {
             const int c = (row.parity + static_cast<int>(s)) & 1;
             const index end = std::min<index>(row.end, (n - s + 1) / 2);
-            const double* d = self->d_.c[c] + row.at;
+            const Real* d = self->levels_[0].d.c[c] + row.at;
             double* x = field->c[c] + row.at;
             const double* source = from + p * n + s;
             HOULE_INDEPENDENT
@@ -254,22 +265,23 @@ class PressureSolver {
         fine().grain);
   }
 
-  template <class Other>
-  static void add_products(const double* a, const Other* b, index n, double* lanes) {
+  template <class One, class Other>
+  static void add_products(const One* a, const Other* b, index n, double* lanes) {
     double sum[multigrid::width] = {};
     for (index i = 0; i < n; i += multigrid::width)
-      for (int v = 0; v < multigrid::width; ++v) sum[v] += a[i + v] * static_cast<double>(b[i + v]);
+      for (int v = 0; v < multigrid::width; ++v)
+        sum[v] += static_cast<double>(a[i + v]) * static_cast<double>(b[i + v]);
     for (int v = 0; v < multigrid::width; ++v) lanes[v] += sum[v];
   }
-  static double larger(double a, double b) { return ((a >= b) | (a != a)) ? a : b; }  // NaN wins
-  static void max_size(const double* a, index n, double* lanes) {
-    double most[multigrid::width] = {};
+  template <class Number>
+  static Number larger(Number a, Number b) {  // NaN wins
+    return ((a >= b) | (a != a)) ? a : b;
+  }
+  static void max_size(const Real* a, index n, double* lanes) {
+    Real most[multigrid::width] = {};
     for (index i = 0; i < n; i += multigrid::width)
-      for (int v = 0; v < multigrid::width; ++v) {
-        const double size = std::abs(a[i + v]);
-        most[v] = larger(most[v], size);
-      }
-    for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger(lanes[v], most[v]);
+      for (int v = 0; v < multigrid::width; ++v) most[v] = larger(most[v], std::abs(a[i + v]));
+    for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger<double>(lanes[v], most[v]);
   }
 
   // Sums or maxima over the colours in use: body(colour, s, first, n, lanes) adds n entries to eight partial results of
@@ -302,19 +314,13 @@ class PressureSolver {
     for (index b = 0; b < blocks; ++b) result = combine(result, part[b]);
     return result;
   }
-  template <class Body>
-  double sum(Body body) {
-    return reduce(body, [](double a, double b) { return a + b; });
-  }
-  template <class Body>
-  double largest(Body body) {
-    return reduce(body, [](double a, double b) { return larger(a, b); });
-  }
 
   // On an even grid the black cells only see red ones: their residual is kept at zero and CG iterates on the red ones.
   int colours() const { return levels_[0].layout.odd ? 2 : 1; }
 
   using Star = multigrid::Star<D, double>;
+
+  const multigrid::Field<Real>& residual() const { return levels_[0].b; }  // what the cycle starts from
 
   void extend(const Doubles& f, const double* rhs) {  // the black values that leave no black residual
     if (colours() == 2) return;
@@ -334,41 +340,51 @@ class PressureSolver {
       });
   }
 
-  double true_residual() {  // r = b - A x; returns its max-norm
+  // The residual carried on in single precision is worth something down to this share of its peak.
+  static constexpr double trusted = 1e-5;
+
+  double true_residual() {  // r = b - A x, scaled; returns its max-norm, unscaled
     extend(x_, b_.c[1]);
     for (int c = 0; c < 2; ++c) multigrid::exchange(fine(), x_, c);
     const std::array<Star, 2> stars{Star(fine(), k_, x_, 0), Star(fine(), k_, x_, 1)};
-    const auto ds = d_.c, bs = b_.c, xs = x_.c, rs = r_.c;
-    return largest([=](int c, auto s, index first, index n, double* lanes) {
+    const auto ds = d_.c, bs = b_.c, xs = x_.c;
+    const auto rs = residual().c;
+    const double scale = scale_;
+    const auto entries = [=](int c, auto s, index first, index n, double* lanes) {
       const Star star = stars[c];
       const double *d = ds[c], *b = bs[c], *x = xs[c];
-      double* r = rs[c];
-      HOULE_INDEPENDENT
-      for (index i = first; i < first + n; ++i) r[i] = d[i] > 0 ? b[i] + star(s, i) - d[i] * x[i] : 0.0;
-      max_size(r + first, n, lanes);
-    });
+      Real* r = rs[c];
+      double most[multigrid::width] = {};
+      for (index i = first; i < first + n; i += multigrid::width)
+        for (index v = 0; v < multigrid::width; ++v) {
+          const index at = i + v;
+          const double value = d[at] > 0 ? b[at] + star(s, at) - d[at] * x[at] : 0.0;
+          r[at] = static_cast<Real>(scale * value);
+          most[v] = larger(most[v], std::abs(value));
+        }
+      for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger(lanes[v], most[v]);
+    };
+    return reduce(entries, larger<double>);
   }
 
-  void round_residual(double scale) {
+  void scale_residual(double scale) {  // so that the numbers of the cycle are far from the smallest there are
     scale_ = scale;
     for (int c = 0; c < colours(); ++c) {
-      const double* r = r_.c[c];
-      Real* b = levels_[0].b.c[c];
+      Real* r = residual().c[c];
       multigrid::sweep(fine(), c, [=](auto, index first, index n) {
         HOULE_INDEPENDENT
-        for (index i = first; i < first + n; ++i) b[i] = static_cast<Real>(scale * r[i]);
+        for (index i = first; i < first + n; ++i) r[i] = static_cast<Real>(scale * r[i]);
       });
     }
   }
 
   double dot_rz() {
-    const auto rs = r_.c;
-    const auto zs = levels_[0].x.c;
-    return sum([=](int c, auto, index first, index n, double* lanes) {
-      const double* r = rs[c] + first;
-      const Real* z = zs[c] + first;
+    const auto rs = residual().c, zs = levels_[0].x.c;
+    const auto products = [=](int c, auto, index first, index n, double* lanes) {
+      const Real *r = rs[c] + first, *z = zs[c] + first;
       add_products(r, z, n, lanes);
-    });
+    };
+    return reduce(products, std::plus<double>());
   }
 
   void direction(double beta) {
@@ -386,33 +402,37 @@ class PressureSolver {
   double apply() {  // q = A p; returns p . q
     for (int c = 0; c < 2; ++c) multigrid::exchange(fine(), p_, c);
     const std::array<Star, 2> stars{Star(fine(), k_, p_, 0), Star(fine(), k_, p_, 1)};
-    const auto ds = d_.c, ps = p_.c, qs = q_.c;
-    return sum([=](int c, auto s, index first, index n, double* lanes) {
+    const auto ds = d_.c, ps = p_.c;
+    const auto qs = q_.c;
+    const auto entries = [=](int c, auto s, index first, index n, double* lanes) {
       const Star star = stars[c];
       const double *d = ds[c], *p = ps[c];
-      double* q = qs[c];
+      Real* q = qs[c];
       HOULE_INDEPENDENT
-      for (index i = first; i < first + n; ++i) q[i] = d[i] > 0 ? d[i] * p[i] - star(s, i) : 0.0;
+      for (index i = first; i < first + n; ++i) q[i] = d[i] > 0 ? static_cast<Real>(d[i] * p[i] - star(s, i)) : Real(0);
       add_products(p + first, q + first, n, lanes);
-    });
+    };
+    return reduce(entries, std::plus<double>());
   }
 
-  double advance(double alpha) {  // x += alpha p, r -= alpha q; returns the max-norm of r
-    const auto ps = p_.c, qs = q_.c, xs = x_.c, rs = r_.c;
-    const auto bs = levels_[0].b.c;
-    const double scale = scale_;
-    return largest([=](int c, auto, index first, index n, double* lanes) {
-      const double *p = ps[c] + first, *q = qs[c] + first;
-      double *x = xs[c] + first, *r = rs[c] + first;
-      Real* b = bs[c] + first;
+  double advance(double alpha) {  // x += alpha p, r -= alpha q; returns the max-norm of r, both unscaled
+    const auto ps = p_.c, xs = x_.c;
+    const auto qs = q_.c, rs = residual().c;
+    const double way = alpha / scale_;
+    const Real step = static_cast<Real>(alpha);
+    const auto go = [=](int c, auto, index first, index n, double* lanes) {
+      const double* p = ps[c] + first;
+      const Real* q = qs[c] + first;
+      double* x = xs[c] + first;
+      Real* r = rs[c] + first;
       HOULE_INDEPENDENT
       for (index i = 0; i < n; ++i) {
-        x[i] += alpha * p[i];
-        r[i] -= alpha * q[i];
-        b[i] = static_cast<Real>(scale * r[i]);
+        x[i] += way * p[i];
+        r[i] -= step * q[i];
       }
       max_size(r, n, lanes);
-    });
+    };
+    return reduce(go, larger<double>) / scale_;
   }
 };
 
