@@ -21,37 +21,38 @@ static nb::tuple as_tuple(ParticleArrays<D>&& p) {
 
 template <int D>
 static ParticleView<D> particles_of(const Array<double>& x, const Array<double>& u, const Array<double>& volume,
-                                    const Array<double>& porosity) {
+                                    const OptionalField& porosity) {
   const index n = points_of<D>(x, "position");
   if (points_of<D>(u, "velocity") != n) throw std::invalid_argument("velocity and position differ in length");
   require_size(volume.size(), n, "volume");
-  require_size(porosity.size(), n, "porosity");
-  return {n, x.data(), u.data(), volume.data(), porosity.data()};
+  if (porosity) require_size(porosity->size(), n, "porosity");
+  return {n, x.data(), u.data(), volume.data(), pointer(porosity)};
 }
 
 template <int D>
 static void bind(nb::module_& m) {
   m.def(
       "remesh_conservative",
-      [](const Grid<D>& g, Array<double> pores, Array<double> x, Array<double> u, Array<double> volume,
-         Array<double> porosity, index first, index last) {
+      [](const Grid<D>& g, OptionalField cells, Array<std::int8_t> body, Field x, Field u, Field volume,
+         OptionalField porosity, index first, index last) {
         const auto p = particles_of<D>(x, u, volume, porosity);
-        require_size(pores.size(), g.cells() << D, "pores");
+        if (cells) require_cells(g, cells->size(), "cell_porosity");
+        require_size(body.size(), g.cells() << D, "body");
         if (last < 0) last = 2 * g.shape[0];
         if (first < 0 || first >= last || last > 2 * g.shape[0]) throw std::invalid_argument("no nodes between walls");
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, pores.data(), p, first, last);
+          out = remesh_conservative<D>(g, {pointer(cells), body.data()}, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },
-      "grid"_a, "pores"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a, "first"_a = 0, "last"_a = -1,
+      "grid"_a, "cell_porosity"_a.none(), "body"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a.none(),
+      "first"_a = 0, "last"_a = -1,
       "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
   m.def(
       "remesh_paper",
-      [](const Grid<D>& g, Array<double> x, Array<double> u, Array<double> volume, Array<double> porosity,
-         double threshold) {
+      [](const Grid<D>& g, Field x, Field u, Field volume, OptionalField porosity, double threshold) {
         const auto p = particles_of<D>(x, u, volume, porosity);
         ParticleArrays<D> out(0);
         {
@@ -60,7 +61,7 @@ static void bind(nb::module_& m) {
         }
         return as_tuple<D>(std::move(out));
       },
-      "grid"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a, "threshold"_a,
+      "grid"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a.none(), "threshold"_a,
       "(position, velocity, volume): a full particle on every lattice node whose fill exceeds the threshold.");
 }
 

@@ -129,7 +129,39 @@ class Slabs {
 template <int D>
 struct ParticleView {
   index n;
-  const double *x, *u, *volume, *porosity;  // (n, D), (n, D), (n,), (n,)
+  const double *x, *u, *volume, *porosity;  // (n, D), (n, D), (n,), (n,) or null: 1
+  double bulk(index i) const { return porosity ? volume[i] / porosity[i] : volume[i]; }
+};
+
+template <int D>
+struct Pores {              // of the half cells
+  const double* cells;      // porosity at the cell centres, between which it is linear; null: 1
+  const std::int8_t* body;  // of each half cell: negative in solids
+
+  bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls
+    const index i = node / l.stride[0];
+    return body[node] < 0 || i < l.begin || i >= l.end;
+  }
+  double porosity(const Lattice<D>& l, index node) const {
+    if (!cells) return 1.0;
+    const auto at = Grid<D>::unflat(node, l.shape);
+    std::array<index, D> near[2], n;  // cells along each axis: the one around the node, the next one on its side
+    for (int a = 0; a < D; ++a) {
+      n[a] = l.shape[a] / 2;
+      near[0][a] = at[a] / 2;
+      near[1][a] = inside(near[0][a] + (at[a] % 2 ? 1 : -1), n[a], l.periodic[a]);
+    }
+    const auto stride = Grid<D>::strides(n);
+    double value[1 << D];
+    for (int corner = 0; corner < (1 << D); ++corner) {
+      index c = 0;
+      for (int a = 0; a < D; ++a) c += near[corner >> a & 1][a] * stride[a];
+      value[corner] = cells[c];
+    }
+    for (int width = (1 << D) / 2; width > 0; width /= 2)  // exact where all are equal
+      for (int i = 0; i < width; ++i) value[i] += 0.25 * (value[i + width] - value[i]);
+    return value[0];
+  }
 };
 
 template <int D>
@@ -144,7 +176,7 @@ inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs,
   std::vector<double> fill(static_cast<std::size_t>(l.nodes()), 0.0);
   double* f = fill.data();
   slabs.scatter([=, &l](index i) {
-    const double bulk = p.volume[i] / (p.porosity[i] * l.volume);
+    const double bulk = p.bulk(i) / l.volume;
     LatticeStencil<D>(l, p.x + i * D).each([=](index node, double w, const int*) { f[node] += w * bulk; });
   });
   return fill;
@@ -153,15 +185,19 @@ inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs,
 template <int D>
 struct Receivers {  // the nodes that may hold a particle, in memory order; number[node] is -1 for the others
   std::vector<std::int32_t> number, node;
+  std::vector<double> porosity;  // of their half cells; empty: 1
 
-  // pores: (nodes,) porosity of each half cell, 0 for solid; null: 1 everywhere
-  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const double* pores, double threshold)
+  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const Pores<D>* pores, double threshold)
       : number(fill.size()) {
     std::int32_t count = 0;
-    for (index i = 0; i < l.nodes(); ++i) number[i] = fill[i] >= threshold && (!pores || pores[i] > 0) ? count++ : -1;
+    for (index i = 0; i < l.nodes(); ++i)
+      number[i] = fill[i] >= threshold && !(pores && pores->closed(l, i)) ? count++ : -1;
     node.resize(count);
     for (index i = 0; i < l.nodes(); ++i)
       if (number[i] >= 0) node[number[i]] = static_cast<std::int32_t>(i);
+    if (!pores || !pores->cells) return;
+    porosity.resize(count);
+    parallel_for(this->count(), [this, &l, pores](index r) { porosity[r] = pores->porosity(l, node[r]); });
   }
   index count() const { return static_cast<index>(node.size()); }
 };
@@ -173,7 +209,7 @@ struct Gathered {               // what a node was given
   double moment[D] = {};        // V times (where the water was - where the node is)
 
   Gathered() = default;
-  Gathered(const ParticleView<D>& p, index i) : volume(p.volume[i]), bulk(p.volume[i] / p.porosity[i]) {
+  Gathered(const ParticleView<D>& p, index i) : volume(p.volume[i]), bulk(p.bulk(i)) {
     for (int a = 0; a < D; ++a) momentum[a] = p.volume[i] * p.u[i * D + a];
   }
 
@@ -199,18 +235,21 @@ constexpr double see = 0.5;      // weights a particle must see, else all goes t
 // Where the porosity varies among them they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay
 // full. A particle among nodes that differ so much that the negative lobes of M4' outweigh the rest gives to one.
 template <int D>
-inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const std::int32_t* number,
-                 const double* pores, Gathered<D>* nodes) {
+inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, const ParticleView<D>& p,
+                 index i, Gathered<D>* nodes) {
   const double* x = p.x + i * D;
   const index home = l.half_cell(x);
-  if (pores[home] <= 0) return false;
+  if (pores.closed(l, home)) return false;
   const LatticeStencil<D> s(l, x);
   Gathered<D> g(p, i);
 
+  const std::int32_t* number = receivers.number.data();
+  const double* porosity = receivers.porosity.empty() ? nullptr : receivers.porosity.data();
   const auto sees = [=](index node) { return number[node] >= 0; };
-  const double own = pores[home];
+  const auto room = [=](index node) { return porosity ? porosity[number[node]] : 1.0; };
+  const double own = sees(home) ? room(home) : pores.porosity(l, home);
   bool all = true;
-  s.each([&](index node, double, const int*) { all = all && sees(node) && pores[node] == own; });
+  s.each([&](index node, double, const int*) { all = all && sees(node) && room(node) == own; });
   if (all) {
     for (int a = 0; a < D; ++a)
       for (int k = 0; k < 4; ++k) g.moment[a] -= g.volume * s.w[a][k] * s.reach[a][k];
@@ -224,7 +263,7 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
   s.each([&](index node, double w, const int* k) {
     if (!sees(node)) return;
     seen += w;
-    w *= pores[node];
+    w *= room(node);
     sum += w;
     double distance = 0;  // squared, in lattice spacings
     for (int a = 0; a < D; ++a) {
@@ -240,7 +279,7 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
   if (seen > remesh::see && sum > remesh::weigh * seen * own) {
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
     s.each([=](index node, double w, const int*) {
-      if (sees(node)) nodes[number[node]].take(w * pores[node] / sum, g);
+      if (sees(node)) nodes[number[node]].take(w * room(node) / sum, g);
     });
     return true;
   }
@@ -253,7 +292,7 @@ inline bool give(const Lattice<D>& l, const ParticleView<D>& p, index i, const s
 // The open node within `radius` nodes that holds most, if it holds more than `least`; -1: none
 template <int D>
 inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, double least, const std::int32_t* number,
-                               const double* pores, const Gathered<D>* nodes) {
+                               const Gathered<D>* nodes) {
   const auto centre = Grid<D>::unflat(node, l.shape);
   const index width = 2 * radius + 1, candidates = D == 2 ? width * width : width * width * width;
   index best = -1;
@@ -266,7 +305,7 @@ inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, doub
       inside = inside && i >= 0 && i < l.shape[a];
       other += i * l.stride[a];
     }
-    if (!inside || number[other] < 0 || pores[other] <= 0) continue;
+    if (!inside || number[other] < 0) continue;
     if (nodes[number[other]].bulk > least) {
       least = nodes[number[other]].bulk;
       best = other;
@@ -291,14 +330,14 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> g
 // has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not,
 // where the porosity changes.
 template <int D>
-inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const double* pores, Gathered<D>* nodes,
+inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, Gathered<D>* nodes,
                   std::vector<unsigned char>& gone) {
   const std::int32_t* number = receivers.number.data();
   for (index r = 0; r < receivers.count(); ++r) {
     if (gone[r] || (nodes[r].bulk > 0 && nodes[r].volume > 0)) continue;
     const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
     for (int radius = 2; radius <= 32 && !gone[r]; radius *= 2) {
-      const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, pores, nodes);
+      const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, nodes);
       if (to < 0) continue;
       hand_over(l, receivers.node[r], to, nodes[r], nodes[number[to]]);
       gone[r] = 1;
@@ -309,8 +348,7 @@ inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, const doub
 // Nodes that hold less than `keep` of a half cell (or less than nothing: M4' has negative lobes) give it all away. On
 // return gone[r] tells which; a little water with no neighbour to go to stays (but none below nothing).
 template <int D>
-inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers, const double* pores,
-                                              Gathered<D>* nodes) {
+inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers, Gathered<D>* nodes) {
   const index count = receivers.count();
   std::vector<std::int32_t> target(count, -1);
   std::vector<unsigned char> gone(count, 0);
@@ -321,7 +359,7 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
   parallel_for(count, [=, &l](index r) {
     if (nodes[r].volume == 0 || nodes[r].bulk >= enough) return;
     for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
-      to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, pores, nodes));
+      to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, nodes));
   });
   for (index r = 0; r < count; ++r) {
     gone[r] = nodes[r].volume == 0;
@@ -329,13 +367,13 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
     hand_over(l, node[r], to[r], nodes[r], nodes[number[to[r]]]);
     gone[r] = 1;
   }
-  repay(l, receivers, pores, nodes, gone);
+  repay(l, receivers, nodes, gone);
   return gone;
 }
 
 // Position of the particle of a node: where its water came from on average, never in a solid half cell.
 template <int D>
-inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const double* pores, double* x) {
+inline void place(const Lattice<D>& l, const Pores<D>& pores, index node, const Gathered<D>& g, double* x) {
   const auto at = Grid<D>::unflat(node, l.shape);
   double offset[D];
   bool inside = true;
@@ -346,44 +384,58 @@ inline void place(const Lattice<D>& l, index node, const Gathered<D>& g, const d
     if (l.periodic[a]) x[a] -= size * std::floor(x[a] / size);
     inside = inside && x[a] >= 0 && x[a] <= size;
   }
-  if (inside && pores[l.half_cell(x)] > 0) return;
+  if (inside && !pores.closed(l, l.half_cell(x))) return;
   constexpr double half = 0.5 - 1e-9;
   for (int a = 0; a < D; ++a)
     x[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a] + std::clamp(offset[a], -half * l.h[a], half * l.h[a]);
 }
 
+// What the nodes were given, and what of the old particles gave nothing: all that remeshing needs when it has done.
+template <int D>
+struct Shared {
+  std::vector<std::int32_t> node;     // of each receiver
+  std::vector<Gathered<D>> gathered;  // by each receiver
+  std::vector<std::int32_t> from;  // of the new particles: number of the receiver, then count + number of the old one
+};
+
+template <int D>
+inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const ParticleView<D>& p) {
+  const Slabs<D> slabs(l, p.n, p.x);
+  Receivers<D> receivers(l, node_fill(l, slabs, p), &pores, remesh::receive);
+  const index count = receivers.count();
+  Shared<D> shared;
+  shared.gathered.resize(count);
+  std::vector<unsigned char> stayed(p.n);
+  Gathered<D>* nodes = shared.gathered.data();
+  unsigned char* stays = stayed.data();
+  slabs.scatter([=, &l, &pores, &receivers](index i) { stays[i] = !give(l, pores, receivers, p, i, nodes); });
+  const auto gone = merge_small(l, receivers, nodes);
+  shared.from.reserve(count);
+  for (index r = 0; r < count; ++r)
+    if (!gone[r]) shared.from.push_back(static_cast<std::int32_t>(r));
+  for (index i = 0; i < p.n; ++i)
+    if (stays[i]) shared.from.push_back(static_cast<std::int32_t>(count + i));
+  shared.node = std::move(receivers.node);
+  return shared;
+}
+
 // The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
-// pores (nodes,): porosity of the half cells; 0: solid, holds no node.
 // Conserves sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
 // place(). first, last: nodes along the first axis between which the water is; walls stand at both ends.
 template <int D>
-inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const double* pores, const ParticleView<D>& p,
+inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>& pores, const ParticleView<D>& p,
                                              index first, index last) {
   const Lattice<D> l(grid, first, last);
-  const Slabs<D> slabs(l, p.n, p.x);
-  const Receivers<D> receivers(l, node_fill(l, slabs, p), pores, remesh::receive);
-  const index count = receivers.count();
-  std::vector<Gathered<D>> gathered(count);
-  std::vector<unsigned char> stayed(p.n);
-  const std::int32_t* number = receivers.number.data();
-  Gathered<D>* nodes = gathered.data();
-  unsigned char* stays = stayed.data();
-  slabs.scatter([=, &l](index i) { stays[i] = !give(l, p, i, number, pores, nodes); });
-  const auto gone = merge_small(l, receivers, pores, nodes);
-
-  std::vector<std::int32_t> from;  // node numbers, then count + particle numbers
-  from.reserve(count);
-  for (index r = 0; r < count; ++r)
-    if (!gone[r]) from.push_back(static_cast<std::int32_t>(r));
-  for (index i = 0; i < p.n; ++i)
-    if (stays[i]) from.push_back(static_cast<std::int32_t>(count + i));
-  ParticleArrays<D> out(static_cast<index>(from.size()));
-  const std::int32_t *source = from.data(), *node = receivers.node.data();
+  const Shared<D> shared = share_out(l, pores, p);
+  const index size = static_cast<index>(shared.from.size()), count = static_cast<index>(shared.node.size());
+  ParticleArrays<D> out(size);
+  const std::int32_t *source = shared.from.data(), *node = shared.node.data();
+  const Gathered<D>* nodes = shared.gathered.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
-  parallel_for(static_cast<index>(from.size()), [=, &l](index i) {
+  parallel_for(size, [=, &l](index i) {
     const index r = source[i], old = r - count;
     volume[i] = r < count ? nodes[r].volume : p.volume[old];
-    if (r < count) place(l, node[r], nodes[r], pores, x + i * D);
+    if (r < count) place(l, pores, node[r], nodes[r], x + i * D);
     for (int a = 0; a < D; ++a) {
       if (r >= count) x[i * D + a] = p.x[old * D + a];
       u[i * D + a] = r < count ? nodes[r].momentum[a] / nodes[r].volume : p.u[old * D + a];
@@ -410,7 +462,7 @@ inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const ParticleView<D>
     });
   });
   double least = 1.0;  // porosity: the mean of a node, with weights of both signs, is kept within those there are
-  for (index i = 0; i < p.n; ++i) least = std::min(least, p.porosity[i]);
+  for (index i = 0; p.porosity && i < p.n; ++i) least = std::min(least, p.porosity[i]);
   ParticleArrays<D> out(receivers.count());
   const std::int32_t* node = receivers.node.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();

@@ -33,6 +33,17 @@ def stencil(grid, x):
         yield node, np.prod(weights), np.array(reach)
 
 
+def half_cells(grid, cells, body):
+    """Porosity in the middle of each half cell, linear between the centres of the cells; 0 in solids."""
+    n = cells
+    for axis, wraps in enumerate(grid.periodic):
+        margins = [(int(a == axis),) * 2 for a in range(n.ndim)]
+        wide = np.moveaxis(np.pad(n, margins, mode="wrap" if wraps else "edge"), axis, 0)
+        pairs = np.stack([0.25 * wide[:-2] + 0.75 * wide[1:-1], 0.75 * wide[1:-1] + 0.25 * wide[2:]], axis=1)
+        n = np.moveaxis(pairs.reshape(-1, *wide.shape[1:]), 0, axis)
+    return np.where(body < 0, 0.0, n)
+
+
 def conservative(grid, pores, position, velocity, volume, porosity):
     """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules."""
     d, half = grid.dimension, np.array(grid.spacing) / 2

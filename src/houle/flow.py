@@ -85,7 +85,6 @@ class Flow:
         self.makers: list[Maker] = []  # of waves
         self.paddles: list[Paddle] = []  # moving walls; they are among `driven` too
         self.walls: FloatArray | None = None  # their places x [m] and sides, one row each
-        self.pores = medium.at_half_cells()  # porosity of the half cells, 0 in solids and where paddles close them
         self.nodes = EVERYWHERE  # of the lattice of the particles along x, between paddles
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.push: Faces = []  # their accelerations [m/s2]
@@ -134,11 +133,6 @@ class Flow:
             capacity += part
         least = 1e-9 * self.grid.cell_volume
         np.divide(1.0, capacity, out=self.inverse_capacity, where=capacity > least)
-
-    @cached_property
-    def open_pores(self) -> FloatArray:
-        """`pores` without what paddles close."""
-        return self.medium.at_half_cells()
 
     def damp(self, rate: Faces) -> None:
         """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""

@@ -92,19 +92,17 @@ class Paddle:
             )
 
     def close(self) -> None:
-        """Closes faces and half cells, as it stands."""
+        """Closes faces, as it stands."""
         flow, at = self.flow, self.x / self.flow.grid.spacing[0]
         self.node = round(2.0 * at)
         if self.water > 0:
             column = int(np.floor(at + SLIVER))
             self.share = min(1.0, column + 1 - at)
             self.behind, self.face, self.inner = slice(0, column), column, column + 1
-            flow.pores[: self.node] = 0.0
         else:
             column = int(np.ceil(at - SLIVER)) - 1
             self.share = min(1.0, at - column)
             self.behind, self.face, self.inner = slice(column + 1, None), column + 1, column
-            flow.pores[self.node :] = 0.0
         self.column = column
         across, *along = flow.open_faces
         across[self.behind] = across[self.face] = 0.0
@@ -169,10 +167,9 @@ class Paddle:
 
 
 def place(flow: Flow) -> None:
-    """Openness of faces and half cells with the paddles where they are now."""
+    """Openness of faces, and nodes of the lattice, with the paddles where they are now."""
     for faces, whole in zip(flow.open_faces, flow.medium.open_faces, strict=True):
         faces[...] = whole
-    flow.pores[...] = flow.open_pores
     for paddle in flow.paddles:
         paddle.close()
     flow.walls = np.array([paddle.outline() for paddle in flow.paddles])

@@ -107,15 +107,6 @@ class Medium:
         """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
         return [self.materials[number, column] for number in self.material]
 
-    def at_half_cells(self) -> FloatArray:
-        """Porosity that a particle has in the middle of each half cell, (2 nx, [2 ny,] 2 nz); 0 in solids."""
-        n = self.particle_porosity
-        for axis in range(self.grid.dimension):
-            wide = _widened(n, axis, self.grid.periodic[axis])
-            pairs = np.stack([0.25 * wide[:-2] + 0.75 * wide[1:-1], 0.75 * wide[1:-1] + 0.25 * wide[2:]], axis=1)
-            n = np.moveaxis(pairs.reshape(-1, *wide.shape[1:]), 0, axis)
-        return np.ascontiguousarray(np.where(self.body < 0, 0.0, n))
-
 
 Part = tuple[Span, shapely.Geometry, list[shapely.Geometry]]  # span of y, section of the solids, sections of the bodies
 

@@ -5,7 +5,8 @@ to the nodes of a lattice with the M4' weights of the paper, eqs (6)-(7) (Monagh
 Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys. 182, 67). The two schemes differ where a particle does not
 see all the nodes around it, that is at the free surface and at porous interfaces.
 
-A remesher is called as `remesher(particles, porosity, between)`, with the porosity (N,) at the particles, and returns
+A remesher is called as `remesher(particles, porosity, between)`, with the porosity (N,) at the particles or None for 1,
+and returns
 new Particles; their number changes, and whatever else is kept per particle has to be made anew. between: first node and
 end of the nodes along x, where walls stand that are not the sides of the tank.
 """
@@ -16,14 +17,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.errors import SimulationError
 from houle.grid import FloatArray, Grid
 from houle.particles import Particles
+from houle.porous import Medium
 
 Nodes = tuple[int, int]
-Remesher = Callable[[Particles, FloatArray, Nodes], Particles]
+Remesher = Callable[[Particles, FloatArray | None, Nodes], Particles]
 EVERYWHERE: Nodes = (0, -1)
 
 
@@ -31,8 +34,9 @@ EVERYWHERE: Nodes = (0, -1)
 class Conservative:
     """Volume, momentum and centre of volume conserved, up to the surface and across porous interfaces.
 
-    grid, and porosity: (2 nx, [2 ny,] 2 nz) of the half cells, 0 in solids (Medium.at_half_cells). Where it varies the
-    nodes around a particle receive in proportion to it, so that water which fills the pores goes on filling them.
+    porosity (cells), None: 1; body: of the half cells, negative in solids (Medium.body). Between the centres of the
+    cells the porosity is linear; where it varies the nodes around a particle receive in proportion to that of their
+    half cells, so that water which fills the pores goes on filling them.
     Conserved to round-off: sum V, sum V u_d and, but for a rare particle that would have left the tank, sum V x, so
     the potential energy. The true momentum sum V u_d / n is conserved as far as n is the same for all.
 
@@ -45,12 +49,17 @@ class Conservative:
     """
 
     grid: Grid
-    porosity: FloatArray
+    porosity: FloatArray | None
+    body: NDArray[np.int8]
 
-    def __call__(self, particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Conservative:
+        return cls(grid, medium.particle_porosity if medium.bodies else None, medium.body)
+
+    def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
-        new = Particles(*_core.remesh_conservative(self.grid.core, self.porosity, *arrays, *between))
+        new = Particles(*_core.remesh_conservative(self.grid.core, self.porosity, self.body, *arrays, *between))
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(
@@ -73,21 +82,21 @@ class Paper:
     grid: Grid
     threshold: float = 0.01
 
-    def __call__(self, particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
+    def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
         return Particles(
             *_core.remesh_paper(self.grid.core, p.position, p.velocity, p.volume, porosity, self.threshold)
         )
 
 
-def keep(particles: Particles, porosity: FloatArray, between: Nodes = EVERYWHERE) -> Particles:
+def keep(particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
     """No remeshing: the particles as they are."""
     return particles
 
 
-# name in the case file -> remesher for a grid and the porosity of its half cells
-STRATEGIES: dict[str, Callable[[Grid, FloatArray], Remesher]] = {
-    "conservative": Conservative,
-    "paper": lambda grid, porosity: Paper(grid),
-    "none": lambda grid, porosity: keep,
+# name in the case file -> remesher for a grid and what stands on it
+STRATEGIES: dict[str, Callable[[Grid, Medium], Remesher]] = {
+    "conservative": Conservative.of,
+    "paper": lambda grid, medium: Paper(grid),
+    "none": lambda grid, medium: keep,
 }

@@ -37,7 +37,7 @@ class Remeshing:
         for way in self.travelled:
             way[...] = 0.0
         flow.sample_medium()
-        porosity = np.ascontiguousarray(flow.porosity)  # in clear water it is one number
+        porosity = flow.porosity if flow.porous else None
         flow.drop_work()
         for paddle in flow.paddles:
             paddle.to_lattice(flow.particles)

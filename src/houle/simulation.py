@@ -78,7 +78,7 @@ class Simulation:
             viscosity=case.fluid.viscosity, smagorinsky=case.fluid.smagorinsky,
             no_slip=case.domain.walls.no_slip(d),
         )  # fmt: skip
-        remesher = STRATEGIES[numerics.remesh](grid, self.flow.pores)
+        remesher = STRATEGIES[numerics.remesh](grid, self.medium)
         transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
         travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
         remeshing = Remeshing(remesher, numerics.remesh_every, travel)

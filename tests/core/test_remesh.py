@@ -9,6 +9,7 @@ import reference_remesh as reference
 from houle import _core
 from houle.grid import Grid
 from houle.particles import Particles, lattice
+from houle.porous import Medium
 from houle.remesh import STRATEGIES, Conservative, Paper
 
 SCATTERS = ["lattice", "shaken", "random", "sparse"]
@@ -31,13 +32,17 @@ def water(grid, scatter="shaken", level=0.6, seed=0):
     return Particles(x, random.normal(size=x.shape), volume)
 
 
+def everywhere_open(grid):
+    return np.zeros([2 * n for n in grid.shape], np.int8)
+
+
 def clear(grid):
-    """Porosity of the half cells without any structure."""
-    return np.ones([2 * n for n in grid.shape])
+    """The remesher of a tank without any structure."""
+    return Conservative(grid, None, everywhere_open(grid))
 
 
 def at(pores, grid, x):
-    """That of the half cells that hold x."""
+    """Porosity of the half cells that hold x."""
     half = np.minimum((x / (np.array(grid.spacing) / 2)).astype(int), np.array(pores.shape) - 1)
     return pores[tuple(half.T)]
 
@@ -68,14 +73,15 @@ def situations(draw):
 @given(situations(), st.integers(0, 3), st.integers(0, 99))
 def test_volume_and_momentum_are_conserved(situation, bodies, seed):
     grid, old = situation
-    pores = clear(grid)
+    cells, body = np.ones(grid.shape), everywhere_open(grid)
     if bodies:  # slabs of the tank that belong to porous bodies, and one half cell that is solid
-        cuts = np.sort(np.random.default_rng(seed).integers(0, pores.shape[0], bodies))
-        number = np.searchsorted(cuts, np.arange(pores.shape[0]), side="right")
-        pores[:] = np.where(number == 0, 1.0, 0.1 + 0.25 * number).reshape(-1, *[1] * (grid.dimension - 1))
-        pores[(0,) * grid.dimension] = 0.0
+        cuts = np.sort(np.random.default_rng(seed).integers(0, grid.shape[0], bodies))
+        number = np.searchsorted(cuts, np.arange(grid.shape[0]), side="right")
+        cells[:] = np.where(number == 0, 1.0, 0.1 + 0.25 * number).reshape(-1, *[1] * (grid.dimension - 1))
+        body[(0,) * grid.dimension] = -1
+    pores = reference.half_cells(grid, cells, body)
     own = at(pores, grid, old.position)
-    new = Conservative(grid, pores)(old, np.where(own > 0, own, 1.0))
+    new = Conservative(grid, cells, body)(old, np.where(own > 0, own, 1.0))
     assert np.all(new.volume > 0)
     assert np.all((new.position >= 0) & (new.position <= grid.size))
     assert (old.volume[own == 0].sum() > 0) or np.all(at(pores, grid, new.position) > 0)
@@ -91,8 +97,9 @@ def test_full_pores_stay_full_across_an_interface(dimension, shift):
     Without the porosity in the weights M4' fills the pores beside a step from 1 to 0.39 by up to a sixth too much.
     """
     grid = Grid((10, 6, 4)[:dimension], (1.0,) * dimension, (True,) * dimension)
-    steps = np.repeat([1.0, 0.7, 0.45, 0.39, 0.8, 1.0], [4, 3, 3, 3, 4, 3]).reshape(-1, *[1] * (dimension - 1))
-    pores = np.ascontiguousarray(np.broadcast_to(steps, [2 * n for n in grid.shape]))
+    steps = np.repeat([1.0, 0.7, 0.45, 0.39, 0.8, 1.0], [2, 2, 1, 2, 1, 2]).reshape(-1, *[1] * (dimension - 1))
+    cells = np.ascontiguousarray(np.broadcast_to(steps, grid.shape))
+    pores = reference.half_cells(grid, cells, everywhere_open(grid))
     x = lattice(grid)
     nodes = at(pores, grid, x)
     line = np.append(pores[(slice(None), *[0] * (dimension - 1))], [1.0] * 4)
@@ -101,7 +108,7 @@ def test_full_pores_stay_full_across_an_interface(dimension, shift):
     held = np.array([weights @ line[[i - 1, i, i + 1, i + 2]] for i in index])  # of the porosity at the nodes around
     x[:, 0] += shift
     old = Particles(x % grid.size, np.zeros_like(x), held * grid.cell_volume / 2**dimension)
-    new = Conservative(grid, pores)(old, held)
+    new = Conservative(grid, cells, everywhere_open(grid))(old, held)
     assert len(new) == len(nodes)
     np.testing.assert_allclose(new.volume / at(pores, grid, new.position), 0.5**dimension, rtol=1e-9)
 
@@ -113,7 +120,7 @@ def test_no_energy_is_made_from_noise(dimension, scatter, seed):
     """Rough velocities are filtered, never amplified; the mean height stays but for particles held back at a wall."""
     grid = Grid((9 if dimension == 2 else 6,) * dimension, (1.0,) * dimension, (False,) * dimension)
     old = water(grid, scatter, 0.6, seed)
-    new = Conservative(grid, clear(grid))(old, np.ones(len(old)))
+    new = clear(grid)(old, np.ones(len(old)))
     assert kinetic(new) < (1.01 if scatter == "sparse" else 1 + 1e-13) * kinetic(old)
     assert abs(mean_height(new) - mean_height(old)) < 1e-3
 
@@ -131,7 +138,7 @@ def test_kinetic_energy_of_a_wave_on_strained_particles(seed):
     x[:, 1] += np.cos(k * still[:, 0] + phase) * np.sinh(k * still[:, 1]) / np.sinh(12 * k)
     u = np.stack([np.cos(k * x[:, 0]) * np.cosh(k * x[:, 1]), np.sin(k * x[:, 0]) * np.sinh(k * x[:, 1])], 1)
     old = Particles(x, u, np.full(len(x), 0.25))
-    new = Conservative(grid, clear(grid))(old, np.ones(len(old)))
+    new = clear(grid)(old, np.ones(len(old)))
     assert -1e-4 < kinetic(new) / kinetic(old) - 1 < 1e-7
     assert mean_height(new) == pytest.approx(mean_height(old), abs=1e-12)
 
@@ -142,7 +149,7 @@ def test_potential_energy_is_kept_to_round_off_under_a_wavy_surface(dimension, s
     grid = Grid((8,) * dimension, (1.0,) * dimension, (False,) * dimension)
     old = water(grid, scatter, 0.6)
     old.position[:, -1] *= 1 + 0.2 * np.cos(np.pi * old.position[:, 0] / 8)
-    new = Conservative(grid, clear(grid))(old, np.ones(len(old)))
+    new = clear(grid)(old, np.ones(len(old)))
     close(new.volume @ new.position[:, -1], old.volume @ old.position[:, -1], old.volume @ old.position[:, -1])
 
 
@@ -155,7 +162,7 @@ def test_moments_up_to_degree_two_are_kept_in_full_water(dimension):
     middle = np.argmin(((old.position - 4.1) ** 2).sum(1))
     old.position[middle] += 0.05 * np.arange(1, dimension + 1)
     old.velocity[middle] = 1.0
-    new = Conservative(grid, clear(grid))(old, np.ones(len(old)))
+    new = clear(grid)(old, np.ones(len(old)))
     momentum = new.volume * new.velocity[:, 0]
     for powers in np.ndindex(*(3,) * dimension):
         if sum(powers) > 2:
@@ -171,7 +178,7 @@ def test_quadratic_velocity_is_reproduced_in_the_interior():
     x = x[np.all(x < 5.99, axis=1)]
     field = lambda x: 1 + x[:, 0] - 2 * x[:, 1] + 0.3 * x[:, 0] ** 2 - 0.2 * x[:, 0] * x[:, 1]  # noqa: E731
     old = Particles(x, np.stack([field(x)] * 2, 1), np.full(len(x), 1 / 16))
-    new = Conservative(grid, clear(grid))(old, np.ones(len(x)))
+    new = clear(grid)(old, np.ones(len(x)))
     interior = np.all((new.position > 1) & (new.position < 5), axis=1)
     np.testing.assert_allclose(new.velocity[interior, 0], field(new.position[interior]), rtol=0, atol=1e-12)
     np.testing.assert_allclose(new.volume[interior], 1 / 16, rtol=1e-13)
@@ -182,7 +189,7 @@ def test_lattice_in_a_full_tank_is_a_fixed_point(dimension):
     grid = Grid((5, 4, 3)[:dimension], (0.1, 0.2, 0.15)[:dimension], (False,) * dimension)
     old = water(grid, "lattice", 1.0)
     old.volume[:] = grid.cell_volume / 2**dimension
-    new = Conservative(grid, clear(grid))(old, np.ones(len(old)))
+    new = clear(grid)(old, np.ones(len(old)))
     order_old, order_new = np.lexsort(old.position.T.round(9)), np.lexsort(new.position.T.round(9))
     np.testing.assert_allclose(new.position[order_new], old.position[order_old], atol=1e-12)
     np.testing.assert_allclose(new.velocity[order_new], old.velocity[order_old], atol=1e-12)
@@ -211,7 +218,7 @@ def test_still_water_keeps_its_level_off_the_lattice(dimension, level):
     x = x[x[:, -1] < 5.0]
     x[:, -1] *= level / 5.0
     old = Particles(x, np.zeros_like(x), np.full(len(x), level * 4 ** (dimension - 1) / len(x)))
-    remesher, new = Conservative(grid, clear(grid)), old
+    remesher, new = clear(grid), old
     for _ in range(50):
         new = remesher(new, np.ones(len(new)))
     assert level_of(grid, new) == pytest.approx(level, abs=0.02)
@@ -224,7 +231,7 @@ def test_symmetric_water_stays_symmetric():
     middle = right.position[:, 0] > 0.5
     x, u, v = right.position[middle], right.velocity[middle], right.volume[middle]
     old = Particles(np.vstack([x, [1, 0] + x * [-1, 1]]), np.vstack([u, u * [-1, 1]]), np.concatenate([v, v]))
-    new = Conservative(grid, clear(grid))(old, np.ones(len(old)))
+    new = clear(grid)(old, np.ones(len(old)))
     mirrored = [1, 0] + new.position * [-1, 1]
     a, b = np.lexsort(new.position.T.round(9)), np.lexsort(mirrored.T.round(9))
     np.testing.assert_allclose(new.position[a], mirrored[b], atol=1e-12)
@@ -234,7 +241,7 @@ def test_symmetric_water_stays_symmetric():
 def test_lone_drop_stays_as_it_is():
     grid = Grid((10, 10), (1.0, 1.0), (False, False))
     old = Particles(np.array([[5.1, 5.2]]), np.array([[1.0, -2.0]]), np.array([0.02]))
-    new = Conservative(grid, clear(grid))(old, np.ones(1))
+    new = clear(grid)(old, np.ones(1))
     assert np.array_equal(new.position, old.position) and np.array_equal(new.velocity, old.velocity)
 
 
@@ -242,7 +249,7 @@ def test_no_particles():
     grid = Grid((3, 3), (1.0, 1.0), (False, False))
     nothing = Particles(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
     for make in STRATEGIES.values():
-        assert len(make(grid, clear(grid))(nothing, np.ones(0))) == 0
+        assert len(make(grid, Medium.build(grid))(nothing, np.ones(0))) == 0
 
 
 @pytest.mark.parametrize("scatter", SCATTERS)
@@ -250,11 +257,12 @@ def test_no_particles():
 def test_agrees_with_the_numpy_twin(dimension, scatter):
     grid = Grid((7, 5, 4)[:dimension], (0.1, 0.2, 0.15)[:dimension], (True, False, False)[:dimension])
     old = water(grid, scatter, 0.6)
-    pores = clear(grid)
-    pores[pores.shape[0] // 2 :] = 0.5
-    pores[-1] = 0.0
+    cells, body = np.ones(grid.shape), everywhere_open(grid)
+    cells[grid.shape[0] // 2 :] = 0.5
+    body[-1] = -1
+    pores = reference.half_cells(grid, cells, body)
     porosity = np.where(at(pores, grid, old.position) == 1.0, 1.0, 0.5)
-    new = Conservative(grid, pores)(old, porosity)
+    new = Conservative(grid, cells, body)(old, porosity)
     twin = reference.conservative(grid, pores, old.position, old.velocity, old.volume, porosity)
     x, u, v = twin
     np.testing.assert_allclose(new.position, x, atol=1e-8)
@@ -265,12 +273,12 @@ def test_agrees_with_the_numpy_twin(dimension, scatter):
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_threads_do_not_change_a_bit(dimension):
     grid = Grid((80, 40) if dimension == 2 else (20, 10, 12), (0.1,) * dimension, (False,) * dimension)
-    old, pores = water(grid), clear(grid)
+    old = water(grid)
     results = []
     try:
         for threads in (1, 2, 5):
             _core.set_threads(threads)
-            results.append([s(grid, pores)(old, np.ones(len(old))) for s in (Conservative, lambda g, b: Paper(g))])
+            results.append([remesher(old, np.ones(len(old))) for remesher in (clear(grid), Paper(grid))])
     finally:
         _core.set_threads(1)
     for other in results[1:]:
@@ -302,6 +310,6 @@ def test_wrong_lengths_are_refused():
     grid = Grid((3, 3), (1.0, 1.0), (False, False))
     old = water(grid)
     with pytest.raises(ValueError, match="porosity has 1 entries"):
-        Conservative(grid, clear(grid))(old, np.ones(1))
-    with pytest.raises(ValueError, match="pores has 9 entries"):
-        Conservative(grid, np.ones((3, 3)))(old, np.ones(len(old)))
+        clear(grid)(old, np.ones(1))
+    with pytest.raises(ValueError, match="body has 9 entries"):
+        Conservative(grid, None, np.zeros((3, 3), np.int8))(old, np.ones(len(old)))
