@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cells.hpp"
+#include "solids.hpp"
 
 namespace houle {
 
@@ -11,51 +12,14 @@ struct Gate {
   double bottom;
 };
 
-// What stops a particle: domain walls, gates, solids (signed distance at the grid's nodes, null if there are none),
-// walls between the faces.
+// What stops a particle: domain walls, gates, solids, walls between the faces.
 template <int D>
 struct Obstacles {
-  const double* distance = nullptr;
+  Solids<D> solids;
   const Gate* gates = nullptr;
   int gate_count = 0;
   Paddles paddles;
 };
-
-// Signed distance to the solids at a point, (bi/tri)linear from the nodes, and where it is negative its gradient.
-template <int D>
-inline double solid_distance(const Grid<D>& g, const double* node_distance, const double* x, double* gradient) {
-  std::array<index, D> shape = g.shape;
-  for (int a = 0; a < D; ++a) shape[a] += 1;
-  const auto stride = Grid<D>::strides(shape);
-  double weight[D][2];
-  index base = 0;
-  for (int a = 0; a < D; ++a) {
-    const double s = x[a] / g.h[a];
-    const index i = std::clamp<index>(static_cast<index>(s), 0, g.shape[a] - 1);
-    base += i * stride[a];
-    weight[a][1] = s - static_cast<double>(i);
-    weight[a][0] = 1.0 - weight[a][1];
-  }
-  // sum over the corners of node values times weights, along `slope` times -1 and 1 / h instead
-  const auto sum = [&](int slope) {
-    double value = 0.0;
-    for (int corner = 0; corner < (1 << D); ++corner) {
-      index at = base;
-      double w = 1.0;
-      for (int a = 0; a < D; ++a) {
-        const int side = (corner >> a) & 1;
-        at += side * stride[a];
-        w *= a == slope ? (side ? 1.0 : -1.0) / g.h[a] : weight[a][side];
-      }
-      value += w * node_distance[at];
-    }
-    return value;
-  };
-  const double value = sum(-1);
-  if (value < 0.0)
-    for (int a = 0; a < D; ++a) gradient[a] = sum(a);
-  return value;
-}
 
 // Brings a particle that went from `from` to x back into the water's room.
 template <int D>
@@ -66,31 +30,16 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
     const bool left = from[0] < gate.x;
     if (left != (x[0] < gate.x) && height > gate.bottom) x[0] = gate.x + (left ? -1e-9 : 1e-9) * g.h[0];
   }
-  if (obstacles.distance) {
-    double normal[D];
-    const double d = solid_distance(g, obstacles.distance, x, normal);
-    if (d < 0.0) {
-      double length2 = 0.0;
-      for (int a = 0; a < D; ++a) length2 += normal[a] * normal[a];
-      if (length2 > 1e-12)
-        for (int a = 0; a < D; ++a) x[a] -= d * normal[a] / length2;
-    }
+  if (obstacles.solids.edge) {
+    bring_into_tank(g, x);
+    leave_solids(g, obstacles.solids, x);
   }
   for (int k = 0; k < obstacles.paddles.count; ++k) {
     const Paddle& paddle = obstacles.paddles.paddle[k];
     const double margin = 1e-9 * g.h[0];
     x[0] = paddle.side > 0 ? std::max(x[0], paddle.x + margin) : std::min(x[0], paddle.x - margin);
   }
-  for (int a = 0; a < D; ++a) {
-    const double length = g.shape[a] * g.h[a];
-    if (g.periodic[a]) {
-      x[a] -= length * std::floor(x[a] / length);
-      if (x[a] >= length) x[a] = 0.0;
-    } else {
-      const double margin = 1e-9 * g.h[a];
-      x[a] = std::min(std::max(x[a], margin), length - margin);  // in this order NaN stays
-    }
-  }
+  bring_into_tank(g, x);
 }
 
 // x += dt u_d(x_mid) / n(x_mid), x_mid = x + dt/2 u_d(x) / n(x): the midpoint rule (17). porosity (cells) null: 1.

@@ -52,16 +52,27 @@ static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const 
   return r;
 }
 
+// start, number, edges (E, 8), tops of the layers: houle.solids.Outline
+using Outline = std::optional<std::tuple<Array<std::int64_t>, Array<std::int32_t>, Field, Field>>;
+
 template <int D>
-static Obstacles<D> obstacles_of(const Grid<D>& g, const OptionalField& distance, const Field& gates,
+static Solids<D> solids_of(const Grid<D>& g, const Outline& outline) {
+  static_assert(sizeof(SolidEdge) == 8 * sizeof(double));
+  if (!outline) return {};
+  const auto& [start, number, edge, top] = *outline;
+  const index lists = static_cast<index>(top.size()) * g.shape[0] * g.shape[D - 1];
+  require_size(start.size(), lists + 1, "start");
+  require_size(number.size(), start.data()[lists], "number");
+  if (edge.ndim() != 2 || edge.shape(1) != 8) throw std::invalid_argument("the edges must have shape (E, 8)");
+  return {start.data(), number.data(), reinterpret_cast<const SolidEdge*>(edge.data()), top.data(),
+          static_cast<int>(top.size())};
+}
+
+template <int D>
+static Obstacles<D> obstacles_of(const Grid<D>& g, const Outline& solids, const Field& gates,
                                  const OptionalField& paddles) {
-  if (distance) {
-    index nodes = 1;
-    for (index s : g.shape) nodes *= s + 1;
-    require_size(distance->size(), nodes, "solid distance");
-  }
   static_assert(sizeof(Gate) == 2 * sizeof(double));
-  return {pointer(distance), reinterpret_cast<const Gate*>(gates.data()), static_cast<int>(gates.size() / 2),
+  return {solids_of(g, solids), reinterpret_cast<const Gate*>(gates.data()), static_cast<int>(gates.size() / 2),
           paddles_of(paddles)};
 }
 
@@ -217,33 +228,33 @@ static void bind(nb::module_& m) {
       "Divergence-free vertical velocity above the surface of single-valued columns.");
   m.def(
       "move",
-      [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField own_porosity,
-         OptionalField distance, Field gates, double dt, Field x, OptionalField paddles) {
+      [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField own_porosity, Outline solids,
+         Field gates, double dt, Field x, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         if (porosity) require_cells(g, porosity->size(), "porosity");
         if (own) require_size(own->size(), n * D, "own velocity");
         if (own_porosity) require_size(own_porosity->size(), n, "own porosity");
         if (own && porosity && !own_porosity) throw std::invalid_argument("own velocity needs own porosity");
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
-        const auto obstacles = obstacles_of<D>(g, distance, gates, paddles);
+        const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
         move<D>(g, n, uu, pointer(porosity), pointer(own), pointer(own_porosity), obstacles, dt, x.data());
       },
-      "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "own_porosity"_a.none(), "distance"_a.none(), "gates"_a,
+      "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "own_porosity"_a.none(), "solids"_a.none(), "gates"_a,
       "dt"_a, "position"_a, "paddles"_a = nb::none(), "Moves the particles with the pore velocity, midpoint rule.");
   m.def(
       "drift",
-      [](G g, Field from, Field u, OptionalField porosity, OptionalField distance, Field gates, double dt, Field x,
+      [](G g, Field from, Field u, OptionalField porosity, Outline solids, Field gates, double dt, Field x,
          OptionalField paddles) {
         const index n = points_of<D>(from, "from");
         require_size(u.size(), n * D, "velocity");
         require_size(x.size(), n * D, "position");
         if (porosity) require_size(porosity->size(), n, "porosity");
-        const auto obstacles = obstacles_of<D>(g, distance, gates, paddles);
+        const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
         drift<D>(g, n, from.data(), u.data(), pointer(porosity), obstacles, dt, x.data());
       },
-      "grid"_a, "from_"_a, "u"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "dt"_a, "position"_a,
+      "grid"_a, "from_"_a, "u"_a, "porosity"_a.none(), "solids"_a.none(), "gates"_a, "dt"_a, "position"_a,
       "paddles"_a = nb::none(), "Moves the particles with their own pore velocities.");
   m.def(
       "eddy_viscosity",
@@ -286,16 +297,25 @@ static void bind(nb::module_& m) {
       "size.");
   m.def(
       "displace",
-      [](G g, FaceFields displacement, OptionalField porosity, OptionalField distance, Field gates, double limit,
-         Field x, OptionalField paddles) {
+      [](G g, FaceFields displacement, OptionalField porosity, Outline solids, Field gates, double limit, Field x,
+         OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         const auto dd = ConstFaces<D>(faces_of(g, displacement, "displacement"));
-        const auto obstacles = obstacles_of<D>(g, distance, gates, paddles);
+        const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
         displace<D>(g, n, dd, pointer(porosity), obstacles, limit, x.data());
       },
-      "grid"_a, "displacement"_a, "porosity"_a.none(), "distance"_a.none(), "gates"_a, "limit"_a, "position"_a,
+      "grid"_a, "displacement"_a, "porosity"_a.none(), "solids"_a.none(), "gates"_a, "limit"_a, "position"_a,
       "paddles"_a = nb::none(), "Moves the particles along a displacement given on the faces.");
+  m.def(
+      "leave_solids",
+      [](G g, Outline solids, Field x) {
+        const index n = points_of<D>(x, "position");
+        const auto s = solids_of(g, solids);
+        nb::gil_scoped_release release;
+        if (s.edge) leave_solids<D>(g, n, s, x.data());
+      },
+      "grid"_a, "solids"_a.none(), "position"_a, "Takes particles that lie in solids to the nearest place outside.");
 }
 
 static void bind_sums(nb::module_& m) {

@@ -241,34 +241,25 @@ def continue_upwards(grid, layers, active, column, u):
 # ---- motion ----------------------------------------------------------------------------------------------------------
 
 
-def solid_distance(grid, nodes, x):
-    """Distance and its gradient, (bi/tri)linear from the values at the grid's nodes."""
-    s = np.asarray(x) / grid.spacing
-    base = np.clip(np.floor(s).astype(int), 0, np.array(grid.shape) - 1)
-    f, value, gradient = s - base, 0.0, np.zeros(len(s))
-    for corner in itertools.product((0, 1), repeat=len(s)):
-        w = [fa if c else 1.0 - fa for fa, c in zip(f, corner, strict=True)]
-        here = nodes[tuple(base + corner)]
-        value += np.prod(w) * here
-        for a, c in enumerate(corner):
-            gradient[a] += (1 if c else -1) / grid.spacing[a] * np.prod(np.delete(w, a)) * here
-    return value, gradient
+def bring_into_tank(grid, x):
+    """Around periodic sides, and back between the walls."""
+    margin = 1e-9 * np.array(grid.spacing)
+    return np.where(grid.periodic, x % grid.size, np.clip(x, margin, grid.size - margin))
 
 
-def keep_inside(grid, nodes, gates, start, x):
-    """Where a particle that went from `start` to x is stopped: gates (x, lower edge), solids, walls; periodic sides."""
+def keep_inside(grid, solid, gates, start, x):
+    """Where a particle that went from `start` to x is stopped: gates (x, lower edge), a box, walls; periodic sides."""
     x = np.array(x)
     for gate, bottom in gates:
         if (start[0] < gate) != (x[0] < gate) and x[-1] > bottom:
             x[0] = gate + (-1e-9 if start[0] < gate else 1e-9) * grid.spacing[0]
-    if nodes is not None:
-        distance, normal = solid_distance(grid, nodes, x)
-        if distance < 0.0 and normal @ normal > 1e-12:
-            x -= distance * normal / (normal @ normal)
-    for a, length in enumerate(grid.size):
-        margin = 1e-9 * grid.spacing[a]
-        x[a] = x[a] % length if grid.periodic[a] else min(max(x[a], margin), length - margin)
-    return x
+    x = bring_into_tank(grid, x)
+    if solid is not None and solid.distance(x) < 0.0:
+        depth = np.stack([x - solid.lower, solid.upper - x])
+        side, axis = np.unravel_index(np.argmin(depth), depth.shape)
+        margin = 1e-9 * grid.spacing[1 if len(x) == 3 and axis == 1 else 0]
+        x[axis] = solid.upper[axis] + margin if side else solid.lower[axis] - margin
+    return bring_into_tank(grid, x)
 
 
 def face_velocity(grid, u, x):
@@ -283,24 +274,24 @@ def cell_value(grid, field, x):
     return 1.0 if field is None else w @ field[node]
 
 
-def move(grid, u, porosity, nodes, gates, dt, position):
+def move(grid, u, porosity, solid, gates, dt, position):
     """Midpoint rule with the pore velocity u_d / n (17)."""
     new = np.empty_like(position)
     for p, start in enumerate(position):
         middle = start + 0.5 * dt * face_velocity(grid, u, start) / cell_value(grid, porosity, start)
-        middle = keep_inside(grid, nodes, gates, start, middle)
+        middle = keep_inside(grid, solid, gates, start, middle)
         end = start + dt * face_velocity(grid, u, middle) / cell_value(grid, porosity, middle)
-        new[p] = keep_inside(grid, nodes, gates, start, end)
+        new[p] = keep_inside(grid, solid, gates, start, end)
     return new
 
 
-def displace(grid, displacement, porosity, nodes, gates, limit, position):
+def displace(grid, displacement, porosity, solid, gates, limit, position):
     """Moved by displacement / n, at most `limit` cells along each axis."""
     new = np.empty_like(position)
     most = limit * np.array(grid.spacing)
     for p, start in enumerate(position):
         step = face_velocity(grid, displacement, start) / cell_value(grid, porosity, start)
-        new[p] = keep_inside(grid, nodes, gates, start, start + np.clip(step, -most, most))
+        new[p] = keep_inside(grid, solid, gates, start, start + np.clip(step, -most, most))
     return new
 
 

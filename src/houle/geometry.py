@@ -196,58 +196,5 @@ def signed_distance(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> Flo
     return np.where(covers(area, x, z), -far, far)
 
 
-def node_distance(grid: Grid, shapes: Sequence[Shape]) -> FloatArray | None:
-    """Signed distance [m] from the union of the shapes at the grid nodes (shape + 1), None without shapes.
-
-    A shape goes on behind a domain wall as its mirror image and repeats along a periodic axis. Shapes over the same y
-    are joined first. So neither a wall nor a face that two shapes share is a boundary from which distance is measured.
-    """
-    groups: dict[Span, list[Shape]] = {}
-    for shape in pieces(shapes):
-        groups.setdefault(shape.span, []).append(shape)
-    lines = [grid.axis_points(a, on_faces=True) for a in range(grid.dimension)]
-    x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")
-    nearest = []
-    for span, group in groups.items():
-        area = _with_images(grid, shapely.union_all([s.section(_window(grid)) for s in group]))
-        if area.is_empty:
-            continue
-        distance = signed_distance(area, x, z)
-        if grid.dimension == 3:
-            along = _distance_along(grid, span, lines[1])[:, None]
-            beside = distance[:, None]
-            distance = np.hypot(np.maximum(beside, 0), np.maximum(along, 0)) + np.minimum(np.maximum(beside, along), 0)
-        nearest.append(distance)
-    return np.minimum.reduce(nearest) if nearest else None
-
-
 def _window(grid: Grid) -> Window:
     return (0.0, 0.0, grid.size[0], grid.size[-1])
-
-
-def _with_images(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
-    """The area of the section with its mirror images behind the walls, or its copies along a periodic axis."""
-    for a, axis in ((0, 0), (1, -1)):
-        size, unit = grid.size[axis], np.eye(2)[a]
-        if grid.periodic[axis]:
-            copies = [_moved(area, np.ones(2), shift * unit) for shift in (-size, size)]
-        else:
-            copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
-        area = shapely.union_all([area, *copies])
-    return area
-
-
-def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
-    return shapely.transform(area, lambda points: factor * points + shift)
-
-
-def _distance_along(grid: Grid, span: Span, y: FloatArray) -> FloatArray:
-    """Signed distance from a span of y, which goes on behind a wall that it reaches, or repeats."""
-    width = grid.size[1]
-    if grid.periodic[1]:
-        ends = [(span[0] + k * width, span[1] + k * width) for k in (-1, 0, 1)]
-        if span[0] <= 0 and span[1] >= width:
-            ends = [EVERYWHERE]
-    else:
-        ends = [(span[0] if span[0] > 0 else -np.inf, span[1] if span[1] < width else np.inf)]
-    return np.min([np.maximum(low - y, y - high) for low, high in ends], axis=0)

@@ -222,16 +222,14 @@ def move(flow: Flow, dt: float) -> None:
     own = (flow.particles.velocity, flow.porosity if flow.porous else None) if flow.interpolated else (None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.medium.particle_porosity if flow.porous else None, *own,
-        flow.medium.solid_distance, flow.gates, dt, flow.particles.position, flow.walls,
+        flow.medium.outline, flow.gates, dt, flow.particles.position, flow.walls,
     )  # fmt: skip
 
 
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
     """Particles from `start` with velocities of their own."""
     position = flow.particles.position
-    _core.drift(
-        flow.grid.core, start, velocity, porosity, flow.medium.solid_distance, flow.gates, dt, position, flow.walls
-    )
+    _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.outline, flow.gates, dt, position, flow.walls)
 
 
 def rate(courant: float) -> float:
@@ -272,5 +270,5 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity = m.particle_porosity if flow.porous else None
-    obstacles = (m.solid_distance, flow.gates)
+    obstacles = (m.outline, flow.gates)
     _core.displace(g.core, displacement, porosity, *obstacles, MOST_SHIFT, flow.particles.position, flow.walls)

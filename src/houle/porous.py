@@ -17,9 +17,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from houle.geometry import Shape, Span, covers, layers, node_distance, section
+from houle.geometry import Shape, Span, covers, layers, section
 from houle.grid import Faces, FloatArray, Grid
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
+from houle.solids import Outline
 
 FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
@@ -56,7 +57,7 @@ class Medium:
                           which fills it fills the tents as it does the pores of the structure (decision 0010)
     body           int8   (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
                           water, -1 in a solid
-    solid_distance nodes  signed distance [m] to the nearest solid, positive in the water; None without solids
+    outline        of the solids, for particles near them; None without solids
     """
 
     grid: Grid
@@ -70,7 +71,7 @@ class Medium:
     materials: FloatArray
     inverse_n2: FloatArray | None
     body: NDArray[np.int8]
-    solid_distance: FloatArray | None
+    outline: Outline | None
 
     @classmethod
     def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
@@ -100,7 +101,7 @@ class Medium:
             materials=materials,
             inverse_n2=inverse_n2,
             body=_index_bodies(grid, parts),
-            solid_distance=node_distance(grid, solids),
+            outline=Outline.of(grid, solids),
         )
 
     def on_faces(self, column: int) -> Faces:

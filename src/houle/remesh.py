@@ -37,8 +37,9 @@ class Conservative:
     porosity (cells), None: 1; body: of the half cells, negative in solids (Medium.body). Between the centres of the
     cells the porosity is linear; where it varies the nodes around a particle receive in proportion to that of their
     half cells, so that water which fills the pores goes on filling them.
-    Conserved to round-off: sum V, sum V u_d and, but for a rare particle that would have left the tank, sum V x, so
-    the potential energy. The true momentum sum V u_d / n is conserved as far as n is the same for all.
+    Conserved to round-off: sum V, sum V u_d and, but for a rare particle that would have left the tank or entered a
+    solid, sum V x, so the potential energy. The true momentum sum V u_d / n is conserved as far as n is the same for
+    all.
 
     Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
     moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves

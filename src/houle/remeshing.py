@@ -44,6 +44,8 @@ class Remeshing:
         flow.particles = self.remesher(flow.particles, porosity, flow.nodes)
         for paddle in flow.paddles:
             paddle.from_lattice(flow.particles)
+        # the centre of what a node was given may lie in a solid: round a corner, or in the cut half cell of the node
+        _core.leave_solids(flow.grid.core, flow.medium.outline, flow.particles.position)
         flow.resize_particles()
         flow.sample_medium()
         transfer.renew(flow)

@@ -4,7 +4,8 @@ A particle carries exactly the water of its half cell (area of the water shapes,
 lies at the centroid of that water. So volume, mean level and centre of gravity are those of the case, wherever its
 levels and interfaces lie. The tent function is linear along each axis of a half cell: the fill fraction of a submerged
 cell is 1 to round-off beside porous interfaces along the axes. Beside sloping ones and at corners the term in x z is
-left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid.
+left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid. Water round the corner of a solid may have its
+centroid in the solid: it gets two particles with that centre of volume, one on each side of the corner.
 
 Some columns of half cells at a time, so that the half cells need no more memory than the particles.
 """
@@ -19,15 +20,18 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from houle import _core
 from houle.geometry import Shape, Span, section
 from houle.grid import FloatArray, Grid
 from houle.moments import Measure
 from houle.particles import Particles
 from houle.porous import Medium, partition
+from houle.solids import Outline
 
 SLIVER = 0.25  # of the pore volume of a half cell: less water joins the particle beside it
 NARROW = 0.1  # of a half cell: less pore volume than this counts as this much
 SLAB = 1 << 17  # half cells at a time, about
+LEVERS = (1.0, 1.5, 2.0, 3.0, 4.0)  # ratios of the distances of two particles from their common centre
 BESIDE = 2  # columns beside a slab that decide what slivers give to it: a neighbour's neighbour
 
 Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume of these areas
@@ -57,8 +61,43 @@ def seed_slabs(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Iterator[P
         own = slice(first - low, end - low)
         held = volume[own] > 0
         volume = volume[own][held]
-        position = np.stack([m[own][held] / volume for m in moment], axis=-1)
-        yield Particles(position * half, np.zeros_like(position), volume * (grid.cell_volume / 2**grid.dimension))
+        position = np.stack([m[own][held] / volume for m in moment], axis=-1) * half
+        position, volume = _beside_corners(grid, medium.outline, position, volume)
+        yield Particles(position, np.zeros_like(position), volume * (grid.cell_volume / 2**grid.dimension))
+
+
+def _beside_corners(
+    grid: Grid, outline: Outline | None, position: FloatArray, volume: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Positions [m] and volumes with two particles for each one that lies in a solid: their centre is where it lay.
+
+    Both lie in its half cell, over which the tents are linear, at the ends of the shortest of some lines through it.
+    Where there is no such line the particle takes the nearest way out.
+    """
+    outside = position.copy()
+    _core.leave_solids(grid.core, outline, outside)
+    inside = np.flatnonzero((outside != position).any(axis=1))
+    if len(inside) == 0:
+        return position, volume
+    half, d = np.array(grid.spacing) / 2, grid.dimension
+    ways = [np.array(w) * half * k / 16 for k in range(1, 17) for w in product((-1, 0, 1), repeat=d) if any(w)]
+    pairs = np.array([(way, -lever * way) for lever in LEVERS for way in ways])
+    pairs = pairs[np.argsort(np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=-1), kind="stable")]
+    beside, shares = [np.empty((0, d))], [np.empty(0)]
+    for p in inside:
+        ends = (position[p] + pairs).reshape(-1, d)
+        free = ends.copy()
+        _core.leave_solids(grid.core, outline, free)
+        good = np.all((free == ends) & (np.floor(ends / half) == np.floor(position[p] / half)), axis=-1)
+        good = good.reshape(-1, 2).all(axis=1)
+        if good.any():
+            first, second = pairs[np.argmax(good)]
+            share = np.linalg.norm(second) / np.linalg.norm(first - second)
+            outside[p] = position[p] + first
+            beside.append(position[p : p + 1] + second)
+            shares.append(volume[p : p + 1] * (1.0 - share))
+            volume[p] *= share
+    return np.concatenate([outside, *beside]), np.concatenate([volume, *shares])
 
 
 def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]:

@@ -7,9 +7,10 @@ import pytest
 import shapely
 
 from houle.errors import CaseError
-from houle.geometry import EVERYWHERE, Box, Polygon, Union, layers, node_distance, section, shape_of
+from houle.geometry import EVERYWHERE, Box, Polygon, Union, layers, section, shape_of
 from houle.grid import Grid
 from houle.moments import Measure, around_faces, covered_faces, over_cells, section_moments, with_tent
+from houle.solids import Outline
 
 ROUND_OFF = 1e-12
 STAR = shapely.Polygon(
@@ -184,16 +185,18 @@ def test_overlapping_boxes_count_once_in_3d():
     assert union.mean([over_cells] * 3).sum() * grid.cell_volume == pytest.approx(volume, rel=ROUND_OFF)
 
 
-def test_solids_that_touch_have_no_boundary_between_them():
+def test_solids_that_touch_have_no_edge_between_them():
+    """Nor at the floor, under which their mirror image goes on."""
     grid = Grid((10, 10), (0.1, 0.1), (False, False))
-    distance = node_distance(grid, [Box((0.0, 0.0), (0.5, 0.6)), Box((0.5, 0.0), (1.0, 0.6))])
-    assert distance is not None
-    assert distance[5] == pytest.approx(np.arange(11) * 0.1 - 0.6, abs=ROUND_OFF)
-    assert node_distance(grid, []) is None
+    outline = Outline.of(grid, [Box((0.0, 0.0), (0.5, 0.6)), Box((0.5, 0.0), (1.0, 0.6))])
+    assert outline is not None
+    assert np.all(np.abs(outline.edge[:, [1, 3]]) == 0.6) and outline.top.tolist() == [np.inf]
 
 
-def test_distance_from_a_box_in_3d_is_that_of_the_box():
+def test_the_outline_in_3d_has_a_section_for_each_layer():
     grid = Grid((6, 5, 4), (0.1, 0.1, 0.1), (False,) * 3)
-    box = Box((0.23, 0.11, 0.05), (0.41, 0.32, 0.27))
-    nodes = np.stack(np.meshgrid(*(grid.axis_points(a, on_faces=True) for a in range(3)), indexing="ij"), axis=-1)
-    assert node_distance(grid, [box]) == pytest.approx(box.distance(nodes), abs=ROUND_OFF)
+    outline = Outline.of(grid, [Box((0.23, 0.11, 0.05), (0.41, 0.32, 0.27))])
+    assert outline is not None
+    assert outline.top.tolist() == [0.11, 0.32, 0.5]
+    assert np.diff(outline.start).reshape(3, -1).any(axis=1).tolist() == [False, True, False]
+    assert np.unique(np.abs(outline.edge[:, [1, 3]])).tolist() == [0.05, 0.27]

@@ -41,7 +41,7 @@ def test_clear_water_is_one_everywhere(shape, size):
         assert np.array_equal(ones, np.ones_like(ones))
     for zeros in (*medium.on_faces(1), *medium.on_faces(2), medium.body):
         assert not zeros.any()
-    assert medium.solid_distance is None and medium.inverse_n2 is None
+    assert medium.outline is None and medium.inverse_n2 is None
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def test_a_prism_in_3d_is_the_same_as_its_section_in_2d():
     solid = shapely.Polygon([(0.5, 0.0), (0.96, 0.0), (0.96, 0.3)])
     two = Medium.build(flat, [PorousBody("b", Polygon(SLOPE, 2), **ROCK)], [Polygon(solid, 2)])
     three = Medium.build(deep, [PorousBody("b", Polygon(SLOPE, 3), **ROCK)], [Polygon(solid, 3)])
-    for name in ("porosity", "open_cells", "inverse_n2", "body", "solid_distance"):
+    for name in ("porosity", "open_cells", "inverse_n2", "body"):
         assert np.abs(getattr(three, name) - getattr(two, name)[:, None]).max() < ROUND_OFF, name
     for a3, a2 in ((0, 0), (2, 1)):
         assert np.abs(three.open_faces[a3] - two.open_faces[a2][:, None]).max() < ROUND_OFF
@@ -166,8 +166,8 @@ def test_a_solid_closes_its_cells_and_all_their_faces():
     assert medium.open_faces[0][2] == pytest.approx([0, 0, 0.5, 1])
     assert medium.open_faces[0][3] == pytest.approx([0, 0, 0.5, 1])
     assert medium.open_faces[1][2] == pytest.approx([0, 0, 0, 1, 1])
-    assert medium.solid_distance is not None
-    assert medium.solid_distance[0] == pytest.approx([0.4, 0.4, 0.4, np.hypot(0.4, 0.05), np.hypot(0.4, 0.15)])
+    assert medium.outline is not None
+    assert np.diff(medium.outline.start).reshape(5, 4)[2].astype(bool).tolist() == [True, True, True, False]
 
 
 @pytest.mark.parametrize(("gap", "open_part"), [(0.5 * CLOSED, 0.0), (2 * CLOSED, 2 * CLOSED)])

@@ -1,0 +1,108 @@
+"""The outline of the solids, edge by edge, for the particles: what lies inside, and which way is out.
+
+A distance that is interpolated between nodes rounds the corners off, by a fifth of a cell where three edges meet: so
+much water then stands inside. Here each cell of the section that solids reach into has a list of edges that holds the
+one nearest to any of its points: the nearest edge tells inside from outside, and the way out, to round-off. In 3D there
+is one section for each layer in y.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.polygon import orient
+
+from houle.geometry import Shape, layers, polygons, section
+from houle.grid import FloatArray, Grid
+from houle.moments import section_moments
+
+
+class Outline(NamedTuple):
+    """The union of the solids, which goes on behind a domain wall as its mirror image, or repeats: a wall is no edge.
+
+    start  (layers nx nz + 1) where the list of each cell of each section begins in `number`, int64
+    number edges of the lists, int32; none for a cell that no solid reaches into
+    edge   (E, 8) x and z of both ends [m], the solid on the left, and the mean outward normal at both
+    top    (layers,) largest y of each layer [m], infinite in 2D
+    """
+
+    start: NDArray[np.int64]
+    number: NDArray[np.int32]
+    edge: FloatArray
+    top: FloatArray
+
+    @classmethod
+    def of(cls, grid: Grid, solids: Sequence[Shape]) -> Outline | None:
+        """None where there are no solids in the tank."""
+        counts, numbers, edges, top, before = [], [], [np.empty((0, 8))], [], 0
+        for span in layers(grid, solids):
+            area = section(grid, solids, span)
+            edge = _edges(_with_images(grid, area))
+            count, number = _lists(grid, area, edge)
+            used, number = np.unique(number, return_inverse=True)
+            counts.append(count)
+            numbers.append(number.ravel() + before)
+            edges.append(edge[used])
+            top.append(span[1])
+            before += len(used)
+        if before == 0:
+            return None
+        start = np.concatenate([[0], np.cumsum(np.concatenate(counts))]).astype(np.int64)
+        return cls(start, np.concatenate(numbers).astype(np.int32), np.concatenate(edges), np.array(top, float))
+
+
+def _edges(area: shapely.Geometry) -> FloatArray:
+    """`Outline.edge` of a section."""
+    found = [np.empty((0, 8))]
+    for part in map(orient, polygons(area)):
+        for ring in (part.exterior, *part.interiors):
+            corner = shapely.get_coordinates(ring)
+            along = np.diff(corner, axis=0)
+            outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
+            outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+            mean = outward + np.roll(outward, 1, axis=0)  # where each edge begins
+            mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
+            found.append(np.concatenate([corner[:-1], corner[1:], mean, np.roll(mean, -1, axis=0)], axis=1))
+    return np.concatenate(found)
+
+
+def _lists(grid: Grid, area: shapely.Geometry, edge: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Length of the list of each cell (nx nz,), and the edges of all lists.
+
+    An edge can be the nearest to a point of the cell only if it is no farther from the centre than the one nearest to
+    the centre and the cell's diagonal together.
+    """
+    spacing, shape = (grid.spacing[0], grid.spacing[-1]), (grid.shape[0], grid.shape[-1])
+    covered = section_moments(area, spacing, shape)[0, 0] > 0.0
+    counts, numbers = np.zeros(shape, np.intp), [np.empty(0, np.intp)]
+    along = edge[:, 2:4] - edge[:, :2]
+    for i in np.flatnonzero(covered.any(axis=1)):
+        k = np.flatnonzero(covered[i])
+        centre = np.stack([np.full(len(k), i + 0.5), k + 0.5], axis=1) * spacing
+        off = centre[:, None] - edge[:, :2]
+        share = np.clip((off * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+        distance = np.linalg.norm(off - share[..., None] * along, axis=-1)
+        near = distance <= distance.min(axis=1, keepdims=True) + (1.0 + 1e-9) * np.hypot(*spacing)
+        counts[i, k] = near.sum(axis=1)
+        numbers.append(np.nonzero(near)[1])
+    return counts.ravel(), np.concatenate(numbers)
+
+
+def _with_images(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
+    """The area of the section with its mirror images behind the walls, or its copies along a periodic axis."""
+    for a, axis in ((0, 0), (1, -1)):
+        size, unit = grid.size[axis], np.eye(2)[a]
+        if grid.periodic[axis]:
+            copies = [_moved(area, np.ones(2), shift * unit) for shift in (-size, size)]
+        else:
+            copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
+        area = shapely.union_all([area, *copies])
+    return area
+
+
+def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
+    return shapely.transform(area, lambda points: factor * points + shift)
