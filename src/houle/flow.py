@@ -80,6 +80,7 @@ class Flow:
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
         self.last_step = 0.0  # [s]
+        self.fastest = np.zeros(grid.dimension)  # largest |u_d| / n along each axis, of an arranged flow [m/s]
         self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
         self.sides: list[OpenSide] = []  # through which water comes and goes; also among the driven
         self.makers: list[Maker] = []  # of waves

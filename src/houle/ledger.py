@@ -81,15 +81,15 @@ class Ledger:
         self.kinetic, self.potential, self.counted = kinetic, potential, ref(flow.particles)
 
     def open(self) -> None:
-        """At the start of a step."""
+        """With the flow as it is now: at the start of a run, and where it goes on."""
         self.kinetic, self.potential = self.flow.kinetic_energy(), self.flow.potential_energy()
         self.on_grid = False
 
     def close(self) -> None:
         """At the end of a step: to move with the same u_d to another porosity is to change V/n and C_r/n."""
-        kinetic = self.flow.kinetic_energy()
-        self.energy["advection"] += kinetic - self.kinetic
-        self.kinetic = kinetic
+        kinetic = self.kinetic
+        self.open()
+        self.energy["advection"] += self.kinetic - kinetic
 
     @property
     def inflow(self) -> float:

@@ -38,6 +38,7 @@ def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray,
 def arrange(flow: Flow, transfer: Transfer) -> None:
     """Particles sorted, medium sampled where they are, surface found: what a step starts from and leaves."""
     sort(flow, transfer)
+    flow.fastest = flow.max_pore_speed()
     find_surface(flow)
 
 

@@ -62,6 +62,7 @@ class Simulation:
         self._build(first_rows(case))
         self.ledger = Ledger(self.flow)
         prepare(self.flow, self.step.transfer, self.ledger)
+        self.ledger.open()
 
     def _build(self, rows: int) -> None:
         """The flow as the case describes it, on so many rows of cells, arranged, and what observes it."""
@@ -180,7 +181,6 @@ class Simulation:
         last, self.step_size = self.step_size, remaining / count
         self._place_gates()
         self.flow.time = self.time
-        self.ledger.open()
         self.flow.last_step = last
         for paddle in self.flow.paddles:
             paddle.begin(self.step_size)
@@ -209,8 +209,9 @@ class Simulation:
         """
         case = self.case.time
         gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
+        cells = max(float(np.max(self.flow.fastest / self.grid.spacing)), 1e-300)  # crossed in a second
         if case.step is not None:
-            courant = self.flow.courant(case.step)
+            courant = cells * case.step
             if courant > 1.0:
                 raise SimulationError(
                     f"time.step = {case.step:g} s is too long: the fastest particle crosses "
@@ -218,8 +219,7 @@ class Simulation:
                     diagnosis="The fixed time step is longer than the flow allows.",
                 )
             return case.step
-        fastest = max(self.flow.courant(1.0), 1e-300)
-        crossed = min(1.0 / fastest, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
+        crossed = min(1.0 / cells, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
         return min(case.courant * crossed, self.viscous_step)
 
     def _place_gates(self) -> None:
@@ -282,13 +282,13 @@ class Simulation:
 
     def _ledger_row(self) -> dict[str, float]:
         flow, ledger, rho = self.flow, self.ledger, self.case.fluid.density
-        p, speed = flow.particles, flow.max_pore_speed()
+        p, speed = flow.particles, flow.fastest
         volume = p.total_volume
         row = {
             "volume": volume,
             "volume_drift": self.volume_drift,
             "mean_level": self._mean_level(),
-            "kinetic_energy": rho * flow.kinetic_energy(),
+            "kinetic_energy": rho * ledger.kinetic,
             "potential_energy": rho * self._potential_energy(),
             "drag_work": rho * ledger.drag_work,
             "viscous_work": rho * ledger.viscous_work,
@@ -320,7 +320,7 @@ class Simulation:
         """Of waves that of the levels: how the particles are packed does not count; else that of the particles."""
         *along, down = self.flow.gravity
         if self.case.waves is None or any(along):
-            return self.flow.potential_energy()
+            return self.ledger.potential
         return -down * self._room.height_moment(self.flow.eta, self._room_along())
 
     def _room_along(self) -> FloatArray | None:
@@ -428,6 +428,7 @@ class Simulation:
         if flow.paddles:
             place(flow)
         arrange(flow, self.step.transfer)
+        ledger.open()
 
 
 def _set_off(case: Case, water: Particles) -> None:
