@@ -43,10 +43,10 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
 }
 
 // x += dt u_d(x_mid) / n(x_mid), x_mid = x + dt/2 u_d(x) / n(x): the midpoint rule (17). porosity (cells) null: 1.
-// own, own_porosity: u_d(x) (n, D) and n(x) (n,) where they are known already, else null.
+// own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles where they are known already, else null.
 template <int D>
 inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* porosity, const double* own,
-                 const double* own_porosity, const Obstacles<D>& obstacles, double dt, double* x) {
+                 const double* volume, const double* bulk, const Obstacles<D>& obstacles, double dt, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
@@ -60,7 +60,7 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* poros
       keep_inside(g, obstacles, from, at);
     };
     if (own) {
-      const double time = porosity ? 0.5 * dt / own_porosity[p] : 0.5 * dt;
+      const double time = porosity ? 0.5 * dt * bulk[p] / volume[p] : 0.5 * dt;
       for (int a = 0; a < D; ++a) at[a] = from[a] + time * own[D * p + a];
       keep_inside(g, obstacles, from, at);
     } else {
@@ -84,31 +84,51 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
   });
 }
 
-// way += dt u on the faces of one axis, in single precision: how far water has come from where it was [m]. Returns the
-// largest |way| / porosity where the face carries more mass than `least`. porosity null: 1.
-inline double travel(index n, double dt, const double* u, const double* mass, double least, const float* porosity,
-                     float* way) {
-  constexpr index block = 1024;
-  const auto farthest = parallel_values((n + block - 1) / block,
-                                        [=](index b) {
-                                          const index first = b * block, count = std::min(block, n - first);
-                                          double step[block];  // rounded by itself: not part of a fused multiply-add
-                                          float far[block];
-                                          for (index k = 0; k < count; ++k) step[k] = dt * u[first + k];
-                                          for (index k = 0; k < count; ++k) {
-                                            const index f = first + k;
-                                            way[f] = static_cast<float>(way[f] + step[k]);
-                                            far[k] = mass[f] > least ? std::abs(way[f]) : 0.0f;
-                                          }
-                                          if (porosity)
-                                            for (index k = 0; k < count; ++k) far[k] /= porosity[first + k];
-                                          float most = 0.0f;
-                                          for (index k = 0; k < count; ++k)
-                                            most = ((far[k] > most) | (far[k] != far[k])) ? far[k] : most;
-                                          return static_cast<double>(most);
-                                        },
-                                        4);
-  return parallel_max(static_cast<index>(farthest.size()), [far = farthest.data()](index b) { return far[b]; });
+// way += dt u on the faces, in single precision: how far water has come from where it was [m]. Returns the largest
+// |way| / n along each axis where a face carries more mass than `least`. porosity (cells) null: 1; n is the mean of the
+// cells on both sides of a face.
+template <int D>
+inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u, ConstFaces<D> mass, double least,
+                                    const double* porosity, const std::array<float*, D>& way) {
+  constexpr int up = D - 1;
+  const index nz = g.shape[up];
+  std::array<double, D> farthest{};
+  each_of<D>([&](auto axis) {
+    constexpr int a = decltype(axis)::value;
+    const auto shape = g.face_shape(a);
+    const index line = shape[up], rows = g.faces(a) / line;
+    const double *ua = u[a], *m = mass[a];
+    float* far = way[a];
+    const auto each = parallel_values(rows, [=](index r) {
+      const auto stride = Grid<D>::strides(g.shape);
+      auto low = Grid<D>::unflat(r, rows_of<D>(shape)), high = low;
+      if (a != up) {
+        low[a] = inside(low[a] - 1, g.shape[a], false);
+        high[a] = inside(high[a], g.shape[a], false);
+      }
+      const index below = Grid<D>::flat(low, stride), above = Grid<D>::flat(high, stride);
+      constexpr index block = 256;
+      double step[block];  // rounded by itself: not part of a fused multiply-add
+      float most = 0.0f, size[block];
+      for (index first = 0; first < line; first += block) {
+        const index f = r * line + first, count = std::min(block, line - first);
+        for (index k = 0; k < count; ++k) step[k] = dt * ua[f + k];
+        for (index k = 0; k < count; ++k) {
+          far[f + k] = static_cast<float>(far[f + k] + step[k]);
+          size[k] = m[f + k] > least ? std::abs(far[f + k]) : 0.0f;
+        }
+        for (index k = 0; porosity && k < count; ++k) {
+          const index kl = a == up ? inside(first + k - 1, nz, false) : first + k,
+                      kh = a == up ? inside(first + k, nz, false) : first + k;
+          size[k] /= 0.5f * static_cast<float>(porosity[below + kl] + porosity[above + kh]);
+        }
+        for (index k = 0; k < count; ++k) most = ((size[k] > most) | (size[k] != size[k])) ? size[k] : most;
+      }
+      return static_cast<double>(most);
+    });
+    farthest[a] = parallel_max(rows, [far = each.data()](index r) { return far[r]; });
+  });
+  return farthest;
 }
 
 // The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in

@@ -228,20 +228,44 @@ static void bind(nb::module_& m) {
       "Divergence-free vertical velocity above the surface of single-valued columns.");
   m.def(
       "move",
-      [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField own_porosity, Outline solids,
-         Field gates, double dt, Field x, OptionalField paddles) {
+      [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField volume, OptionalField bulk,
+         Outline solids, Field gates, double dt, Field x, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         if (porosity) require_cells(g, porosity->size(), "porosity");
         if (own) require_size(own->size(), n * D, "own velocity");
-        if (own_porosity) require_size(own_porosity->size(), n, "own porosity");
-        if (own && porosity && !own_porosity) throw std::invalid_argument("own velocity needs own porosity");
+        if (volume) require_size(volume->size(), n, "volume");
+        if (bulk) require_size(bulk->size(), n, "bulk");
+        if (own && porosity && !(volume && bulk)) throw std::invalid_argument("own velocity needs volume and bulk");
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
-        move<D>(g, n, uu, pointer(porosity), pointer(own), pointer(own_porosity), obstacles, dt, x.data());
+        move<D>(g, n, uu, pointer(porosity), pointer(own), pointer(volume), pointer(bulk), obstacles, dt, x.data());
       },
-      "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "own_porosity"_a.none(), "solids"_a.none(), "gates"_a,
-      "dt"_a, "position"_a, "paddles"_a = nb::none(), "Moves the particles with the pore velocity, midpoint rule.");
+      "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "volume"_a.none(), "bulk"_a.none(), "solids"_a.none(),
+      "gates"_a, "dt"_a, "position"_a, "paddles"_a = nb::none(),
+      "Moves the particles with the pore velocity, midpoint rule.");
+  m.def(
+      "travel",
+      [](G g, double dt, FaceFields u, FaceFields mass, double least, OptionalField porosity,
+         std::vector<Array<float>> way) {
+        if (porosity) require_cells(g, porosity->size(), "porosity");
+        if (way.size() != D) throw std::invalid_argument("way needs one array per axis");
+        std::array<float*, D> ways;
+        for (int a = 0; a < D; ++a) {
+          require_size(way[a].size(), g.faces(a), "way");
+          ways[a] = way[a].data();
+        }
+        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity")), mm = ConstFaces<D>(faces_of(g, mass, "mass"));
+        std::vector<double> farthest;
+        {
+          nb::gil_scoped_release release;
+          const auto found = travel<D>(g, dt, uu, mm, least, pointer(porosity), ways);
+          farthest.assign(found.begin(), found.end());
+        }
+        return farthest;
+      },
+      "grid"_a, "dt"_a, "u"_a, "mass"_a, "least"_a, "porosity"_a.none(), "way"_a,
+      "Way of the water on the faces, float32; returns the farthest along each axis where there is water [m].");
   m.def(
       "drift",
       [](G g, Field from, Field u, OptionalField porosity, Outline solids, Field gates, double dt, Field x,
@@ -321,14 +345,15 @@ static void bind(nb::module_& m) {
 static void bind_sums(nb::module_& m) {
   m.def(
       "kinetic_energy",
-      [](Field bulk, OptionalField inertia, Field u) {
+      [](Field bulk, std::optional<Array<float>> inertia, Field u) {
         const index n = static_cast<index>(bulk.size());
         if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
         require_size(u.shape(0), n, "velocity");
         if (inertia) require_size(inertia->size(), n, "inertia");
+        const float* J = inertia ? inertia->data() : nullptr;
         nb::gil_scoped_release release;
-        return u.shape(1) == 2 ? kinetic_energy<2>(n, bulk.data(), pointer(inertia), u.data())
-                               : kinetic_energy<3>(n, bulk.data(), pointer(inertia), u.data());
+        return u.shape(1) == 2 ? kinetic_energy<2>(n, bulk.data(), J, u.data())
+                               : kinetic_energy<3>(n, bulk.data(), J, u.data());
       },
       "bulk"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the particles per unit density.");
   m.def(
@@ -352,19 +377,6 @@ static void bind_sums(nb::module_& m) {
       },
       "mass"_a, "u"_a, "acceleration"_a, "Power of the accelerations on the faces of one axis per unit density.");
   m.def(
-      "travel",
-      [](double dt, Field u, Field mass, double least, std::optional<Array<float>> porosity, Array<float> way) {
-        const index n = static_cast<index>(u.size());
-        require_size(mass.size(), n, "mass");
-        require_size(way.size(), n, "way");
-        if (porosity) require_size(porosity->size(), n, "porosity");
-        const float* pores = porosity ? porosity->data() : nullptr;
-        nb::gil_scoped_release release;
-        return travel(n, dt, u.data(), mass.data(), least, pores, way.data());
-      },
-      "dt"_a, "u"_a, "mass"_a, "least"_a, "porosity"_a.none(), "way"_a,
-      "Way of the water on the faces of one axis, float32; returns the farthest where there is water [m].");
-  m.def(
       "all_finite",
       [](Field x) {
         nb::gil_scoped_release release;
@@ -373,16 +385,17 @@ static void bind_sums(nb::module_& m) {
       "x"_a, "Whether no number is infinite or NaN.");
   m.def(
       "max_speed",
-      [](Field u, OptionalField porosity) {
+      [](Field u, Field volume, Field bulk) {
         if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
         const index n = static_cast<index>(u.shape(0));
-        if (porosity) require_size(porosity->size(), n, "porosity");
+        require_size(volume.size(), n, "volume");
+        require_size(bulk.size(), n, "bulk");
         const auto list = [](const auto& speed) { return std::vector<double>(speed.begin(), speed.end()); };
         nb::gil_scoped_release release;
-        return u.shape(1) == 2 ? list(max_speed<2>(n, u.data(), pointer(porosity)))
-                               : list(max_speed<3>(n, u.data(), pointer(porosity)));
+        return u.shape(1) == 2 ? list(max_speed<2>(n, u.data(), volume.data(), bulk.data()))
+                               : list(max_speed<3>(n, u.data(), volume.data(), bulk.data()));
       },
-      "u"_a, "porosity"_a.none(), "Largest pore speed along each axis [m/s].");
+      "u"_a, "volume"_a, "bulk"_a, "Largest pore speed along each axis [m/s].");
   m.def(
       "weighted_sum",
       [](Field weight, Field value, index column) {

@@ -65,18 +65,18 @@ static void bind(nb::module_& m) {
       "grid"_a, "position"_a, "field"_a, "out"_a, "A cell field at the particles, linear.");
   m.def(
       "sample_medium",
-      [](G g, Field x, Field volume, Field cell_porosity, Field cell_inertia, Field porosity, Field bulk,
-         Field inertia) {
+      [](G g, Field x, Field volume, Field cell_porosity, Field cell_inertia, Field bulk, Array<float> inertia) {
         const index n = points_of<D>(x, "position");
         require_cells(g, cell_porosity.size(), "cell porosity");
         require_cells(g, cell_inertia.size(), "cell inertia");
-        for (const Field* f : {&volume, &porosity, &bulk, &inertia}) require_size(f->size(), n, "particle array");
+        for (const Field* f : {&volume, &bulk}) require_size(f->size(), n, "particle array");
+        require_size(inertia.size(), n, "inertia");
         nb::gil_scoped_release release;
-        sample_medium<D>(g, n, x.data(), volume.data(), cell_porosity.data(), cell_inertia.data(), porosity.data(),
-                         bulk.data(), inertia.data());
+        sample_medium<D>(g, n, x.data(), volume.data(), cell_porosity.data(), cell_inertia.data(), bulk.data(),
+                         inertia.data());
       },
-      "grid"_a, "position"_a, "volume"_a, "cell_porosity"_a, "cell_inertia"_a, "porosity"_a, "bulk"_a, "inertia"_a,
-      "Porosity, bulk volume and inertia at the particles, linear from the cells.");
+      "grid"_a, "position"_a, "volume"_a, "cell_porosity"_a, "cell_inertia"_a, "bulk"_a, "inertia"_a,
+      "Bulk volume and inertia at the particles, linear from the cells.");
   m.def(
       "to_faces",
       [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start, Field u,

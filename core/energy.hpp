@@ -20,11 +20,11 @@ inline double sum_by_four(index n, Term term) {
 // 1/2 sum_p (V/n) J |u_d|^2, J = C_r/n: the energy whose rate is the work of forces less the drag, per unit density.
 // bulk (n,) V/n; inertia (n,) J at the particles, null in clear water.
 template <int D>
-inline double kinetic_energy(index n, const double* bulk, const double* inertia, const double* u) {
+inline double kinetic_energy(index n, const double* bulk, const float* inertia, const double* u) {
   return sum_by_four(n, [=](index p) {
     double s = 0.0;
     for (int a = 0; a < D; ++a) s += u[D * p + a] * u[D * p + a];
-    return 0.5 * bulk[p] * (inertia ? inertia[p] : 1.0) * s;
+    return 0.5 * bulk[p] * (inertia ? static_cast<double>(inertia[p]) : 1.0) * s;
   });
 }
 
@@ -45,14 +45,14 @@ inline bool all_finite(index n, const double* x) {
   return sum_by_four(n, [=](index i) { return x[i] - x[i]; }) == 0.0;
 }
 
-// max_p |u_a| / n along each axis; NaN if any is. porosity (n,) null: 1.
+// max_p |u_a| / n along each axis, n = volume / bulk; NaN if any is.
 template <int D>
-inline std::array<double, D> max_speed(index n, const double* u, const double* porosity) {
+inline std::array<double, D> max_speed(index n, const double* u, const double* volume, const double* bulk) {
   using Speeds = std::array<double, D>;
   return parallel_reduce(
       n, Speeds{},
       [=](index p) {
-        const double slow = porosity ? 1.0 / porosity[p] : 1.0;
+        const double slow = bulk[p] / volume[p];
         Speeds speed;
         for (int a = 0; a < D; ++a) speed[a] = std::abs(u[D * p + a]) * slow;
         return speed;

@@ -161,18 +161,17 @@ inline void gather_cells(const Grid<D>& g, index n, const double* x, const doubl
   });
 }
 
-// The medium at the particles, linear from the cells: porosity n, bulk volume V/n, inertia C_r/n. All arrays (n,) but
+// The medium at the particles, linear from the cells: bulk volume V/n, inertia C_r/n. All arrays (n,) but
 // cell_porosity and cell_inertia (cells).
 template <int D>
 inline void sample_medium(const Grid<D>& g, index n, const double* x, const double* volume, const double* cell_porosity,
-                          const double* cell_inertia, double* porosity, double* bulk, double* inertia) {
+                          const double* cell_inertia, double* bulk, float* inertia) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     Stencil<LinearKernel, D> st;
     st.set_centres(g, x + D * p);
-    porosity[p] = st.template gather<-1>(stride, cell_porosity);
-    inertia[p] = st.template gather<-1>(stride, cell_inertia);
-    bulk[p] = volume[p] / porosity[p];
+    bulk[p] = volume[p] / st.template gather<-1>(stride, cell_porosity);
+    inertia[p] = static_cast<float>(st.template gather<-1>(stride, cell_inertia));
   });
 }
 

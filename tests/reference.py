@@ -343,10 +343,15 @@ def viscous_acceleration(grid, u, mass, least, nu, porosity, no_slip):
     return out
 
 
-def travel(dt, u, mass, least, porosity, way):
-    """(way + dt u, largest |way| / n where there is more than `least`), single precision: core/advect.hpp."""
-    way = (way + dt * u).astype(np.float32)
-    n = np.float32(1.0) if porosity is None else porosity
+def travel(axis, dt, u, mass, least, porosity, way):
+    """(way + dt u, largest |way| / n where there is more than `least`), single precision: core/advect.hpp.
+
+    u, mass, way: on the faces of the axis; porosity (cells), of which a face has the mean of those on both sides.
+    """
+    way, n = (way + dt * u).astype(np.float32), np.float32(1.0)
+    if porosity is not None:
+        wide = np.pad(porosity, [(int(b == axis),) * 2 for b in range(u.ndim)], mode="edge")
+        n = np.float32(0.5) * (np.delete(wide, 0, axis=axis) + np.delete(wide, -1, axis=axis)).astype(np.float32)
     return way, float(np.max(np.abs(way) * (mass > least) / n))
 
 

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from houle import _core
 from houle.columns import Capacity
@@ -145,11 +144,19 @@ class Flow:
         """Arrays for the present number of particles; what the work space has on the grid stays."""
         n = len(self.particles)
         self.work.resize(n)
-        clear = np.broadcast_to(1.0, n)
-        self.porosity = clear.copy() if self.porous else clear  # at the particles, (bi)linear from the cells
-        self.bulk = self.particles.volume.copy()  # V / n [m^d]
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
-        self.inertia: FloatArray | None = clear.copy() if self.porous else None
+        self._bulk = self.particles.volume.copy() if self.porous else None
+        self.inertia = np.ones(n, np.float32) if self.porous else None  # C_r / n at the particles
+
+    @property
+    def bulk(self) -> FloatArray:
+        """V / n of the particles [m^d], with the porosity (bi)linear from the cells."""
+        return self.particles.volume if self._bulk is None else self._bulk
+
+    @property
+    def porosity(self) -> FloatArray:
+        """At the particles (N,)."""
+        return self.particles.volume / self.bulk if self.porous else np.broadcast_to(1.0, len(self.particles))
 
     def drop_work(self) -> None:
         """Gives the memory of the work space back, of a large flow only: to get it again takes time."""
@@ -158,30 +165,13 @@ class Flow:
             _core.return_memory()
 
     def sample_medium(self) -> None:
-        """Porosity, bulk volume and inertia at the present positions."""
+        """Bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
             cells = (self.medium.particle_porosity, self.cell_inertia)
-            _core.sample_medium(core, p.position, p.volume, *cells, self.porosity, self.bulk, self.inertia)
-        else:
-            self.bulk[...] = p.volume
+            _core.sample_medium(core, p.position, p.volume, *cells, self._bulk, self.inertia)
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
-
-    @cached_property
-    def face_porosity(self) -> list[NDArray[np.float32] | None]:
-        """Mean of the cells on both sides of each face, float32; the first and the last along an axis as their cell.
-
-        None in clear water.
-        """
-        d = self.grid.dimension
-        if not self.porous:
-            return [None] * d
-        found: list[NDArray[np.float32] | None] = []
-        for a in range(d):
-            n = np.pad(self.medium.porosity, [(int(b == a),) * 2 for b in range(d)], mode="edge")
-            found.append(0.5 * (np.delete(n, 0, axis=a) + np.delete(n, -1, axis=a)).astype(np.float32))
-        return found
 
     @cached_property
     def cell_inertia(self) -> FloatArray:
@@ -192,7 +182,7 @@ class Flow:
 
     def snapshot(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Copies of position, velocity and porosity of the particles."""
-        return self.particles.position.copy(), self.particles.velocity.copy(), self.porosity.copy()
+        return self.particles.position.copy(), self.particles.velocity.copy(), np.array(self.porosity)
 
     # ---- derived -------------------------------------------------------------------------------------------------
 
@@ -230,4 +220,5 @@ class Flow:
 
     def max_pore_speed(self) -> FloatArray:
         """Largest |u_d| / n of the particles along each axis [m/s]."""
-        return np.asarray(_core.max_speed(self.particles.velocity, self.porosity if self.porous else None))
+        p = self.particles
+        return np.asarray(_core.max_speed(p.velocity, p.volume, self.bulk))

@@ -25,10 +25,8 @@ def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray,
     p, work = flow.particles, flow.work
     cell = work.spare.ravel().view(np.int32)[: len(p)]  # only until the rows are moved
     _core.cell_sort(flow.grid.core, p.position, cell, work.order, flow.start)
-    for rows in (p.position, p.velocity):
-        _core.reorder(work.order, rows, work.spare)
-    _core.permute(work.order, p.volume, flow.bulk)  # which is taken anew below
-    p.volume, flow.bulk = flow.bulk, p.volume
+    for rows in (p.position, p.velocity, p.volume):
+        _core.reorder(work.order, rows, work.spare.ravel()[: rows.size])
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[work.order]
     flow.sample_medium()
@@ -220,10 +218,11 @@ def move_paddles(flow: Flow) -> None:
 
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
-    own = (flow.particles.velocity, flow.porosity if flow.porous else None) if flow.interpolated else (None, None)
+    p = flow.particles
+    own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.medium.particle_porosity if flow.porous else None, *own,
-        flow.medium.outline, flow.gates, dt, flow.particles.position, flow.walls,
+        flow.medium.outline, flow.gates, dt, p.position, flow.walls,
     )  # fmt: skip
 
 

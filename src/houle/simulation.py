@@ -351,7 +351,7 @@ class Simulation:
             position=p.position.copy(),
             velocity=p.velocity / flow.porosity[:, None],
             volume=p.volume.copy(),
-            porosity=flow.porosity.copy(),
+            porosity=np.array(flow.porosity),
             pressure=rho * pressure,
             cell_pressure=raised(rho * flow.pressure, dry),
             cell_fill=raised(flow.fill, dry),

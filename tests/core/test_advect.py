@@ -21,22 +21,26 @@ NO_GATES = np.zeros((0, 2))
 
 def move(grid, u, dt, x, porosity=None, outline=None, gates=NO_GATES, own=None, own_porosity=None):
     x = np.ascontiguousarray(x, dtype=float).copy()
-    _core.move(grid.core, u, porosity, own, own_porosity, outline, gates, dt, x)
+    volume = None if own_porosity is None else np.full(len(x), 0.125)
+    bulk = None if own_porosity is None else volume / own_porosity
+    _core.move(grid.core, u, porosity, own, volume, bulk, outline, gates, dt, x)
     return x
 
 
-@given(randoms, st.integers(1, 3000), st.booleans())
-def test_ways_against_the_twin(random, count, porous):
+@given(grids(), randoms, st.booleans())
+def test_ways_against_the_twin(grid, random, porous):
     """To the bit: ways are part of the state."""
-    u, mass, dt = random.normal(size=count), random.uniform(0.0, 2.0, count), random.uniform(0.0, 0.1)
-    porosity = random.uniform(0.3, 1.0, count).astype(np.float32) if porous else None
-    way = random.normal(size=count).astype(np.float32)
-    expected, farthest = reference.travel(dt, u, mass, 1.0, porosity, way)
-    assert _core.travel(dt, u, mass, 1.0, porosity, way) == farthest
-    assert np.array_equal(way, expected)
-    if mass.max() > 1.0:
-        u[np.argmax(mass)] = np.nan
-        assert np.isnan(_core.travel(dt, u, mass, 1.0, porosity, way))
+    u, dt = random_faces(grid, random), random.uniform(0.0, 0.1)
+    mass = [random.uniform(0.0, 2.0, f.shape) for f in u]
+    porosity = random.uniform(0.3, 1.0, grid.shape) if porous else None
+    ways = [random.normal(size=f.shape).astype(np.float32) for f in u]
+    expected = [reference.travel(a, dt, u[a], mass[a], 1.0, porosity, way) for a, way in enumerate(ways)]
+    assert _core.travel(grid.core, dt, u, mass, 1.0, porosity, ways) == [farthest for _, farthest in expected]
+    for way, (wanted, _) in zip(ways, expected, strict=True):
+        assert np.array_equal(way, wanted)
+    if mass[0].max() > 1.0:
+        u[0].flat[np.argmax(mass[0])] = np.nan
+        assert np.isnan(_core.travel(grid.core, dt, u, mass, 1.0, porosity, ways)[0])
 
 
 def obstacles(grid, random):
