@@ -132,22 +132,22 @@ inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u
 }
 
 // The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
-// -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a single-valued column the cells
-// that the surface cuts have none: their level is that of the column's volume, and to chase the fill of single surface
-// cells stirs the surface (docs/decisions/0001). Elsewhere, next to air, only an excess counts: a deficit is the
-// surface. Returns the largest.
+// -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a column whose surface eta is its
+// level (column, in cells) the cells that it cuts have none: their level is that of the column's volume, and to chase
+// the fill of single surface cells stirs the surface (docs/decisions/0001). Elsewhere, where depth says no more than
+// the fill, only an excess counts next to air: a deficit is the surface. Returns the largest.
 template <int D>
 inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
-                             const double* fill, const double* open, const double* porosity, double omega,
-                             double* rhs) {
+                             const double* eta, const double* fill, const double* open, const double* porosity,
+                             double omega, double* rhs) {
   const auto stride = Grid<D>::strides(g.shape);
   return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return 0.0;
     double excess = fill[c] - 1.0;
-    if (!std::isnan(column[c / g.shape[D - 1]])) {
-      const double d = depth[c];
-      excess = d >= 1.0 ? excess : 0.0;
+    const index col = c / g.shape[D - 1];
+    if (eta[col] == column[col] * g.h[D - 1]) {
+      excess = depth[c] >= 1.0 ? excess : 0.0;
     } else {
       const auto i = Grid<D>::unflat(c, g.shape);
       bool inner = true;

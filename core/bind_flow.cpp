@@ -136,6 +136,17 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "depth"_a, "open"_a, "column"_a, "share"_a, "Share of the cells of the listed columns under water.");
   m.def(
+      "shown",
+      [](G g, Mask active, Field open, Field fill, Mask kind) {
+        require_cells(g, active.size(), "active");
+        require_cells(g, open.size(), "open");
+        require_cells(g, fill.size(), "fill");
+        require_cells(g, kind.size(), "kind");
+        shown<D>(g, active.data(), open.data(), fill.data(), kind.data());
+      },
+      "grid"_a, "active"_a, "open"_a, "fill"_a, "kind"_a,
+      "What the surface says of each cell: 2 full, 1 the share of wetted(), 0 nothing.");
+  m.def(
       "apply_forces",
       [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalField inverse_n2,
          std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star, FaceFields drag,
@@ -304,19 +315,20 @@ static void bind(nb::module_& m) {
       "Viscous acceleration of the faces [m/s2].");
   m.def(
       "density_excess",
-      [](G g, Mask active, Field depth, Field column, Field fill, Field open, OptionalField porosity, double omega,
-         Field rhs) {
+      [](G g, Mask active, Field depth, Field column, Field eta, Field fill, Field open, OptionalField porosity,
+         double omega, Field rhs) {
         require_cells(g, active.size(), "active");
         require_cells(g, fill.size(), "fill");
         require_cells(g, open.size(), "open");
         require_cells(g, rhs.size(), "rhs");
         require_cells(g, depth.size(), "depth");
         require_columns(g, column.size(), "column");
+        require_columns(g, eta.size(), "eta");
         nb::gil_scoped_release release;
-        return density_excess<D>(g, active.data(), depth.data(), column.data(), fill.data(), open.data(),
+        return density_excess<D>(g, active.data(), depth.data(), column.data(), eta.data(), fill.data(), open.data(),
                                  pointer(porosity), omega, rhs.data());
       },
-      "grid"_a, "active"_a, "depth"_a, "column"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
+      "grid"_a, "active"_a, "depth"_a, "column"_a, "eta"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
       "Right-hand side of the position correction: the share of each cell's excess fill to be spread. Its largest "
       "size.");
   m.def(

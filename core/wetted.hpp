@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
-#include "grid.hpp"
-#include "parallel.hpp"
+#include "surface.hpp"
 
 namespace houle {
 
@@ -102,6 +102,61 @@ inline void wetted(const Grid<D>& g, const double* depth, const double* open, in
         }
       },
       16);
+}
+
+// Marks, in place, the cells beside marked ones too: all up to one away along any axis.
+template <int D>
+inline void spread(const Grid<D>& g, std::vector<std::uint8_t>& cells, std::vector<std::uint8_t>& work) {
+  constexpr int up = D - 1;
+  const index nz = g.shape[up];
+  for (int a = 0; a < D; ++a) {
+    work = cells;
+    const std::uint8_t* from = work.data();
+    std::uint8_t* to = cells.data();
+    parallel_for_grid(
+        g.cells() / nz,
+        [=](index r) {
+          const index row = r * nz;
+          if (a == up) {
+            for (index k = 1; k < nz; ++k) to[row + k] |= from[row + k - 1];
+            for (index k = 1; k < nz; ++k) to[row + k - 1] |= from[row + k];
+            if (g.periodic[up]) to[row] |= from[row + nz - 1], to[row + nz - 1] |= from[row];
+            return;
+          }
+          const auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(g.shape)), g.shape);
+          for (int s = 0; s < 2; ++s)
+            for (index k = 0, n = beside[2 * a + s]; n >= 0 && k < nz; ++k) to[row + k] |= from[n + k];
+        },
+        64);
+  }
+}
+
+// What the surface says of each cell: 2 full, 1 what wetted() says, 0 nothing, since it is away from the surface, or
+// water or air near it is too thin for the grid to show a surface.
+//
+// Full is a cell all around which is water. Water (air) is thick enough where it reaches all around a cell, too thin
+// where it does so around no cell next to it. The fill knows of water in the next cell: near is two cells. A full cell
+// which lacks the place of a particle, 2^-D of its fill, or more, is at a bubble: it and those beside it are near it.
+template <int D>
+inline void shown(const Grid<D>& g, const std::uint8_t* active, const double* open, const double* fill,
+                  std::uint8_t* kind) {
+  using Cells = std::vector<std::uint8_t>;
+  const auto count = static_cast<std::size_t>(g.cells());
+  Cells beside_air(count), beside_water(count), in_water(count), in_air(count), thin(count), work;
+  for (std::size_t c = 0; c < count; ++c) beside_water[c] = active[c], beside_air[c] = !active[c] && open[c] > 0.0;
+  spread(g, beside_water, work), spread(g, beside_air, work);
+  for (std::size_t c = 0; c < count; ++c) {
+    in_water[c] = !beside_air[c], in_air[c] = !beside_water[c];
+    thin[c] = in_water[c] && open[c] > 0.0 && fill[c] < 1.0 - 1.0 / (1 << D);
+  }
+  spread(g, in_water, work), spread(g, in_air, work), spread(g, thin, work);
+  for (std::size_t c = 0; c < count; ++c) {
+    kind[c] = !beside_air[c] && !thin[c] ? 2 : 0;
+    thin[c] |= active[c] ? !in_water[c] : open[c] > 0.0 && !in_air[c];
+  }
+  spread(g, thin, work), spread(g, thin, work);
+  for (std::size_t c = 0; c < count; ++c)
+    if (kind[c] == 0) kind[c] = beside_water[c] && !thin[c];
 }
 
 }  // namespace houle

@@ -10,6 +10,7 @@ import itertools
 from math import exp, floor, isnan, sqrt
 
 import numpy as np
+from scipy.ndimage import maximum_filter
 
 from houle.moments import Measure, with_tent
 from houle.porous import partition
@@ -73,6 +74,20 @@ def wetted(grid, depth, open_cells, columns, samples=40):
             steep = max(abs(slope[across]), 1e-12)
             share[n, k] += np.mean(np.clip(0.5 + rest / steep, 0.0, 1.0)) / 2**d
     return share
+
+
+def shown(grid, active, open_cells, fill):
+    """2 for cells full by the surface, 1 for those near it, 0 away from it or where water or air is too thin."""
+
+    def near(cells, reach=1):
+        mode = ["wrap" if p else "nearest" for p in grid.periodic]
+        return maximum_filter(cells, 2 * reach + 1, mode=mode)
+
+    water, solid = active > 0, open_cells <= 0.0
+    wet, dry = ~near(~water & ~solid), ~near(water)
+    bubble = near(wet & ~solid & (fill < 1.0 - 0.5**grid.dimension))
+    thin = bubble | (water & ~near(wet)) | (~water & ~solid & ~near(dry))
+    return np.where(wet & ~bubble, 2, np.where(~dry & ~near(thin, 2), 1, 0))
 
 
 def surface_fraction(d_water, d_air, least):

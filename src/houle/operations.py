@@ -252,7 +252,7 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
     largest = _core.density_excess(
-        g.core, flow.active, flow.depth, flow.column, flow.fill, m.open_cells, porosity, share, work.rhs
+        g.core, flow.active, flow.depth, flow.column, flow.eta, flow.fill, m.open_cells, porosity, share, work.rhs
     )
     if flow.paddles:
         for paddle in flow.paddles:

@@ -36,19 +36,18 @@ class Room:
         self,
         eta: FloatArray,
         along: FloatArray | None = None,
-        shared: tuple[NDArray[np.bool_], FloatArray] | None = None,
+        held: tuple[NDArray[np.bool_], FloatArray] | None = None,
     ) -> float:
         """Water below the levels eta (columns) [m], NaN where dry, over the plan area [m].
 
         along: share of each column that counts, between moving walls; None: all.
-        shared: which columns have no single level, and the share (these, nz) of their cells that is under water.
+        held: which columns count by what they hold instead of by their level, and how much it is, over their area [m].
         """
         water = np.zeros(eta.size)
         wet, cell, z = self._top(eta)
         water[wet] = self.below[wet, cell] + self.share[wet, cell] * (z - cell * self.spacing)
-        if shared is not None:
-            columns = np.flatnonzero(shared[0])
-            water[columns] = self.spacing * np.sum(self.share[columns] * shared[1], axis=1)
+        if held is not None:
+            water[held[0].ravel()] = held[1]
         return float(np.mean(water) if along is None else np.sum(water * along.ravel()) / np.sum(along))
 
     def height_moment(self, eta: FloatArray, along: FloatArray | None = None) -> float:

@@ -21,7 +21,7 @@ from houle.geometry import shape_of
 from houle.grid import FloatArray
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, at_points
-from houle.observe.wetted import wetted, without_level
+from houle.observe.wetted import water_held
 from houle.operations import arrange, prepare
 from houle.paddle import Paddle, place
 from houle.particles import Particles
@@ -312,9 +312,8 @@ class Simulation:
         return row
 
     def _mean_level(self) -> float:
-        """Where the surface overhangs or is steep, a column has no single level: there what it encloses counts."""
-        several = without_level(self.flow)
-        return self._room.mean_level(self.flow.eta, self._room_along(), (several, wetted(self.flow, several)))
+        """The levels of the columns, and what those hold that have none: steep, overhanging, beside interfaces."""
+        return self._room.mean_level(self.flow.eta, self._room_along(), water_held(self.flow))
 
     def _potential_energy(self) -> float:
         """Of waves that of the levels: how the particles are packed does not count; else that of the particles."""

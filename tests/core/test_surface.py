@@ -199,3 +199,35 @@ def test_the_share_under_water_is_exact_whichever_axis_the_surface_is_across(fro
     _core.wetted(grid.core, np.ascontiguousarray(depth), grid.cells(1.0), np.arange(36), share)
     exact = np.broadcast_to(np.clip(front - np.arange(6), 0.0, 1.0), grid.shape)
     np.testing.assert_allclose(share.reshape(grid.shape), np.moveaxis(exact, 2, axis), rtol=0, atol=2e-3)
+
+
+@settings(max_examples=40, deadline=None)
+@given(grid=grids(most=7), random=randoms)
+def test_what_the_surface_shows_of_the_cells_is_the_reference(grid, random):
+    """Any cells under water and closed, any fills, beside walls and periodic sides; 2D and 3D."""
+    rough = [random.random(grid.shape) < share for share in random.random(2)]
+    active, open_cells = (rough[0] & ~rough[1]).astype(np.uint8), (~rough[1]).astype(float)
+    fill, kind = 1.0 - 0.3 * random.random(grid.shape) ** 4, np.full(grid.shape, 9, np.uint8)
+    _core.shown(grid.core, active, open_cells, fill, kind)
+    np.testing.assert_array_equal(kind, reference.shown(grid, active, open_cells, fill))
+
+
+@pytest.mark.parametrize("step", [0.5, 2.0])
+@pytest.mark.parametrize("excess", [-0.1, 0.1])
+def test_the_correction_spreads_deficit_and_excess_alike_under_gentle_and_steep_surfaces(step, excess):
+    """A cell with water all around it, in columns each filled to one level, half a cell or two lower from one to the
+    next. Beside air a deficit is the surface.
+    """
+    grid = Grid((4, 12), (1.0, 1.0), (False, False))
+    height = 9.25 - step * np.arange(4)
+    fill = np.clip(height[:, None] - np.arange(12), 0.0, 1.0)
+    fill[1, 2] += excess
+    depth, active, column, eta = find(grid, fill, height)
+    assert not np.isnan(column).any()
+    assert (eta == column).all() == (step < 1.0)
+    rhs = grid.cells()
+    arrays = (active, depth, column, eta, fill, grid.cells(1.0))
+    largest = _core.density_excess(grid.core, *arrays, None, 0.5, rhs)
+    assert rhs[1, 2] == pytest.approx(0.5 * excess) and largest == pytest.approx(0.05)
+    rhs[1, 2] = 0.0
+    assert not rhs.any()

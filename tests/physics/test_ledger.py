@@ -8,6 +8,7 @@ import pytest
 from situations import DAM_BREAK, run, simulation
 
 from houle.ledger import OPERATIONS
+from houle.operations import arrange
 
 CHOICES = list(itertools.product(("houle", "jh2020"), ("fmpm", "flip", "pic", "apic")))
 
@@ -94,3 +95,27 @@ def test_the_mean_level_of_a_column_does_not_depend_on_where_in_a_cell_its_front
     }
     row = simulation(case).sample()
     assert float(row["mean_level"]) == pytest.approx(float(row["volume"]) / 0.6, abs=0.01 * 0.02)
+
+
+POOL = {"case": {"name": "pool"}, "domain": {"size": [0.4, 0.4], "spacing": 0.02}, "time": {"end": 1.0}}
+HOLED = [[[0.0, 0.0], [0.4, 0.1]], [[0.0, 0.1], [0.2, 0.12]], [[0.22, 0.1], [0.4, 0.12]], [[0.0, 0.12], [0.4, 0.2]]]
+SHEET = [[[0.0, 0.0], [0.4, 0.1]], [[0.1, 0.24], [0.3, 0.25]], [[0.1, 0.3], [0.11, 0.31]]]
+
+
+@pytest.mark.parametrize("boxes", [HOLED, SHEET], ids=["bubble", "sheet and drop"])
+def test_the_mean_level_counts_water_and_no_air_where_they_are_too_thin_for_a_surface(boxes):
+    """A bubble of a cell; a sheet and a drop of half a cell."""
+    row = simulation({**POOL, "water": [{"box": box} for box in boxes]}).sample()
+    assert float(row["mean_level"]) == pytest.approx(float(row["volume"]) / 0.4, abs=0.01 * 0.02)
+
+
+@pytest.mark.parametrize("density", [0.96, 1.04])
+def test_the_mean_level_shows_water_that_is_too_wide_or_too_dense(density):
+    """Under a surface three times as steep as wide: each particle with a little less or more than its place holds."""
+    sim = simulation({**POOL, "water": [{"polygon": [[0.0, 0.0], [0.12, 0.0], [0.0, 0.36]]}]})
+    right = float(sim.sample()["mean_level"])
+    assert right == pytest.approx(sim.particles.total_volume / 0.4, abs=0.01 * 0.02)
+    sim.particles.volume *= density
+    arrange(sim.flow, sim.step.transfer)
+    wrong = float(sim.sample()["mean_level"])
+    assert wrong - sim.particles.total_volume / 0.4 == pytest.approx((1.0 - density) * right, rel=0.5)
