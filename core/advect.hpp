@@ -140,7 +140,6 @@ template <int D>
 inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
                              const double* eta, const double* fill, const double* open, const double* porosity,
                              double omega, double* rhs) {
-  const auto stride = Grid<D>::strides(g.shape);
   return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return 0.0;
@@ -148,24 +147,8 @@ inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const
     const index col = c / g.shape[D - 1];
     if (eta[col] == column[col] * g.h[D - 1]) {
       excess = depth[c] >= 1.0 ? excess : 0.0;
-    } else {
-      const auto i = Grid<D>::unflat(c, g.shape);
-      bool inner = true;
-      index neighbours = 1;
-      for (int a = 0; a < D; ++a) neighbours *= 3;
-      for (index q = 0; q < neighbours && inner; ++q) {
-        index n = 0, code = q;
-        bool outside = false;
-        for (int a = 0; a < D; ++a) {
-          index j = i[a] + code % 3 - 1;
-          code /= 3;
-          if (g.periodic[a]) j = (j + g.shape[a]) % g.shape[a];
-          outside = outside || j < 0 || j >= g.shape[a];
-          n += j * stride[a];
-        }
-        if (!outside && !active[n] && open[n] > 0.0) inner = false;
-      }
-      if (!inner && excess < 0.0) excess = 0.0;
+    } else if (excess < 0.0 && !without_air(g, active, open, c)) {
+      excess = 0.0;
     }
     excess = excess > 0.25 ? 0.25 : (excess < -0.25 ? -0.25 : excess);
     rhs[c] = omega * (porosity ? porosity[c] : 1.0) * excess;

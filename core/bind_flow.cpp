@@ -1,10 +1,10 @@
-// Bindings of surface.hpp, wetted.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving
+// Bindings of surface.hpp, held.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving
 // particles.
 #include "advect.hpp"
 #include "bind.hpp"
 #include "energy.hpp"
+#include "held.hpp"
 #include "viscous.hpp"
-#include "wetted.hpp"
 
 namespace houle {
 
@@ -125,27 +125,18 @@ static void bind(nb::module_& m) {
       "grid"_a, "fill"_a, "open"_a, "level"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
-      "wetted",
-      [](G g, Field depth, Field open, Array<std::int64_t> column, Field share) {
-        const index count = static_cast<index>(column.size());
-        require_cells(g, depth.size(), "depth");
-        require_cells(g, open.size(), "open");
-        require_size(share.size(), count * g.shape[D - 1], "share");
-        nb::gil_scoped_release release;
-        wetted<D>(g, depth.data(), open.data(), count, column.data(), share.data());
-      },
-      "grid"_a, "depth"_a, "open"_a, "column"_a, "share"_a, "Share of the cells of the listed columns under water.");
-  m.def(
-      "shown",
-      [](G g, Mask active, Field open, Field fill, Mask kind) {
+      "water_held",
+      [](G g, Mask active, Field open, Field fill, Field inverse_capacity, Array<std::int64_t> column, Field held) {
         require_cells(g, active.size(), "active");
         require_cells(g, open.size(), "open");
         require_cells(g, fill.size(), "fill");
-        require_cells(g, kind.size(), "kind");
-        shown<D>(g, active.data(), open.data(), fill.data(), kind.data());
+        require_cells(g, inverse_capacity.size(), "inverse_capacity");
+        const index count = static_cast<index>(column.size());
+        water_held<D>(g, active.data(), open.data(), fill.data(), inverse_capacity.data(), count, column.data(),
+                      held.data());
       },
-      "grid"_a, "active"_a, "open"_a, "fill"_a, "kind"_a,
-      "What the surface says of each cell: 2 full, 1 the share of wetted(), 0 nothing.");
+      "grid"_a, "active"_a, "open"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "held"_a,
+      "Water in the listed columns [m^d], cells under the surface being full.");
   m.def(
       "apply_forces",
       [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalField inverse_n2,

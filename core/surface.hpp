@@ -135,6 +135,33 @@ inline double surface_fraction(double d_water, double d_air, double least) {
   return theta > 1.0 ? 1.0 : theta;
 }
 
+// Calls f(cell) for a cell and all that touch it, be it at a corner, inside the domain; stops at the first that is
+// false.
+template <int D, class F>
+inline bool all_around(const Grid<D>& g, index c, F&& f) {
+  const auto stride = Grid<D>::strides(g.shape);
+  const auto i = Grid<D>::unflat(c, g.shape);
+  constexpr int neighbours = D == 2 ? 9 : 27;
+  for (int q = 0; q < neighbours; ++q) {
+    index n = 0;
+    bool outside = false;
+    for (int a = 0, code = q; a < D; ++a, code /= 3) {
+      index j = i[a] + code % 3 - 1;
+      if (g.periodic[a]) j = (j + g.shape[a]) % g.shape[a];
+      outside = outside || j < 0 || j >= g.shape[a];
+      n += j * stride[a];
+    }
+    if (!outside && !f(n)) return false;
+  }
+  return true;
+}
+
+// Whether there is no air in a cell nor in any that touches it.
+template <int D>
+inline bool without_air(const Grid<D>& g, const std::uint8_t* active, const double* open, index c) {
+  return all_around(g, c, [=](index n) { return active[n] || open[n] <= 0.0; });
+}
+
 // ---- rows: the lines of a field along the last axis, its columns of cells or faces ----------------------------------
 
 // Where the rows beside row i of a field of that shape begin: [2b] the one before along axis b, [2b+1] the one after;

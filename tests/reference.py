@@ -42,52 +42,16 @@ def column_heights(grid, position, volume):
     return height
 
 
-def wetted(grid, depth, open_cells, columns, samples=40):
-    """Share of each cell of the columns with depth > 0: half cells by the plane through their corners, on a lattice."""
-    d = grid.dimension
-    at = (np.arange(samples) + 0.5) / samples - 0.5
-    share = np.zeros((len(columns), grid.shape[-1]))
+def water_held(grid, active, open_cells, fill, inverse_capacity):
+    """Water in the columns [m^d]: cells without air around hold all they can, unless at a bubble, others their fill."""
 
-    def value(*i):
-        i = [fold(j, n, False, p)[0] for j, n, p in zip(i[:-1], grid.shape, grid.periodic, strict=False)] + [i[-1]]
-        i[-1] = min(i[-1], grid.shape[-1] - 1)
-        if i[-1] >= 0 and open_cells[tuple(i)] > 0.0:
-            return depth[tuple(i)]
-        above = [depth[(*i[:-1], k)] if k < grid.shape[-1] else -1.0 for k in (i[-1] + 1, i[-1] + 2)]
-        return above[0] + min(max(above[0] - above[1], 0.0), 1.0) if i[-1] + 1 < grid.shape[-1] else 0.0
+    def near(cells):
+        return maximum_filter(cells, 3, mode=["wrap" if p else "nearest" for p in grid.periodic])
 
-    for n, k in np.ndindex(*share.shape):
-        cell = (*np.unravel_index(columns[n], grid.shape[:-1]), k)
-        around = np.array([value(*np.add(cell, o)) for o in itertools.product((-1, 0, 1), repeat=d)]).reshape((3,) * d)
-        if (around >= 0).all() or (around < 0).all():
-            share[n, k] = float(around.flat[0] >= 0)
-            continue
-        for a in range(d):  # to the corners of the half cells
-            low, middle, high = np.moveaxis(around, a, 0)
-            around = np.stack([(low + middle) / 2, middle, (middle + high) / 2], axis=a)
-        for part in itertools.product((0, 1), repeat=d):
-            corner = around[tuple(slice(p, p + 2) for p in part)]
-            slope = [float(np.mean(np.diff(corner, axis=a))) for a in range(d)]
-            across = int(np.argmax(np.abs(slope)))
-            others = np.meshgrid(*([at] * (d - 1)), indexing="ij")
-            rest = corner.mean() + sum(s * o for s, o in zip(np.delete(slope, across), others, strict=True))
-            steep = max(abs(slope[across]), 1e-12)
-            share[n, k] += np.mean(np.clip(0.5 + rest / steep, 0.0, 1.0)) / 2**d
-    return share
-
-
-def shown(grid, active, open_cells, fill):
-    """2 for cells full by the surface, 1 for those near it, 0 away from it or where water or air is too thin."""
-
-    def near(cells, reach=1):
-        mode = ["wrap" if p else "nearest" for p in grid.periodic]
-        return maximum_filter(cells, 2 * reach + 1, mode=mode)
-
-    water, solid = active > 0, open_cells <= 0.0
-    wet, dry = ~near(~water & ~solid), ~near(water)
-    bubble = near(wet & ~solid & (fill < 1.0 - 0.5**grid.dimension))
-    thin = bubble | (water & ~near(wet)) | (~water & ~solid & ~near(dry))
-    return np.where(wet & ~bubble, 2, np.where(~dry & ~near(thin, 2), 1, 0))
+    inner = ~near((active == 0) & (open_cells > 0.0))
+    bubble = near(inner & (open_cells > 0.0) & (fill < 1.0 - 0.5**grid.dimension))
+    held = np.where(inner & ~bubble, 1.0, np.minimum(fill, 1.0))
+    return np.sum(held * np.divide(1.0, inverse_capacity, out=0.0 * held, where=inverse_capacity > 0.0), axis=-1)
 
 
 def surface_fraction(d_water, d_air, least):

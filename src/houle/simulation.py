@@ -21,7 +21,7 @@ from houle.geometry import shape_of
 from houle.grid import FloatArray
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, at_points
-from houle.observe.wetted import water_held
+from houle.observe.held import water_held
 from houle.operations import arrange, prepare
 from houle.paddle import Paddle, place
 from houle.particles import Particles

@@ -177,39 +177,18 @@ def test_dry_columns_have_no_level():
 
 
 @settings(max_examples=40, deadline=None)
-@given(grid=grids(most=5), random=randoms)
-def test_the_share_of_the_cells_under_water_is_the_reference(grid, random):
-    """Any depths, beside closed cells, walls and periodic sides; 2D and 3D."""
-    depth = random.uniform(-1.0, 1.0, grid.shape)
-    open_cells = (random.random(grid.shape) < 0.8).astype(float)
-    columns = np.flatnonzero(random.random(grid.shape[:-1]) < 0.3)[:4]
-    share = np.full((len(columns), grid.shape[-1]), np.nan)
-    _core.wetted(grid.core, depth, open_cells, columns, share)
-    counts = open_cells.reshape(-1, grid.shape[-1])[columns] > 0.0
-    expected = reference.wetted(grid, depth, open_cells, columns)
-    np.testing.assert_allclose(share[counts], expected[counts], rtol=0, atol=3e-3)
-
-
-@given(st.floats(1.6, 4.4), st.sampled_from([0, 1, 2]))
-def test_the_share_under_water_is_exact_whichever_axis_the_surface_is_across(front, axis):
-    grid = Grid((6, 6, 6), (0.7, 0.5, 0.3), (False,) * 3)
-    centre = np.arange(6) + 0.5
-    depth = np.moveaxis(np.broadcast_to(np.clip(front - centre, -1.0, 1.0), grid.shape), 2, axis)
-    share = np.zeros((36, 6))
-    _core.wetted(grid.core, np.ascontiguousarray(depth), grid.cells(1.0), np.arange(36), share)
-    exact = np.broadcast_to(np.clip(front - np.arange(6), 0.0, 1.0), grid.shape)
-    np.testing.assert_allclose(share.reshape(grid.shape), np.moveaxis(exact, 2, axis), rtol=0, atol=2e-3)
-
-
-@settings(max_examples=40, deadline=None)
 @given(grid=grids(most=7), random=randoms)
-def test_what_the_surface_shows_of_the_cells_is_the_reference(grid, random):
-    """Any cells under water and closed, any fills, beside walls and periodic sides; 2D and 3D."""
-    rough = [random.random(grid.shape) < share for share in random.random(2)]
-    active, open_cells = (rough[0] & ~rough[1]).astype(np.uint8), (~rough[1]).astype(float)
-    fill, kind = 1.0 - 0.3 * random.random(grid.shape) ** 4, np.full(grid.shape, 9, np.uint8)
-    _core.shown(grid.core, active, open_cells, fill, kind)
-    np.testing.assert_array_equal(kind, reference.shown(grid, active, open_cells, fill))
+def test_the_water_that_columns_hold_is_the_reference(grid, random):
+    """Any cells under water and closed, any fills, bubbles too, beside walls and periodic sides; 2D and 3D."""
+    dry, closed = (random.random(grid.shape) < share for share in random.random(2) ** 2)
+    active, open_cells = (~dry & ~closed).astype(np.uint8), (~closed).astype(float)
+    fill = 1.05 - 0.35 * random.random(grid.shape) ** 4
+    inverse = np.where(closed, 0.0, random.uniform(1.0, 2.0, grid.shape))
+    columns = np.flatnonzero(random.random(grid.shape[:-1]) < 0.5)
+    held = np.full(len(columns), np.nan)
+    _core.water_held(grid.core, active, open_cells, fill, inverse, columns, held)
+    expected = reference.water_held(grid, active, open_cells, fill, inverse)
+    np.testing.assert_allclose(held, expected.ravel()[columns], rtol=1e-13)
 
 
 @pytest.mark.parametrize("step", [0.5, 2.0])
