@@ -45,7 +45,7 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
 // x += dt u_d(x_mid) / n(x_mid), x_mid = x + dt/2 u_d(x) / n(x): the midpoint rule (17). porosity (cells) null: 1.
 // own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles where they are known already, else null.
 template <int D>
-inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const double* porosity, const double* own,
+inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& porosity, const double* own,
                  const double* volume, const double* bulk, const Obstacles<D>& obstacles, double dt, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
@@ -89,7 +89,7 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
 // cells on both sides of a face.
 template <int D>
 inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u, ConstFaces<D> mass, double least,
-                                    const double* porosity, const std::array<float*, D>& way) {
+                                    const Listed& porosity, const std::array<float*, D>& way) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   std::array<double, D> farthest{};
@@ -138,7 +138,7 @@ inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u
 // the fill, only an excess counts next to air: a deficit is the surface. Returns the largest.
 template <int D>
 inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
-                             const double* eta, const double* fill, const double* open, const double* porosity,
+                             const double* eta, const double* fill, const Listed& open, const Listed& porosity,
                              double omega, double* rhs) {
   return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
@@ -158,7 +158,7 @@ inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const
 
 // x += displacement(x) / n(x), each component at most `limit` cells. displacement: Darcy displacement on faces [m].
 template <int D>
-inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const double* porosity,
+inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const Listed& porosity,
                      const Obstacles<D>& obstacles, double limit, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);

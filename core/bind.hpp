@@ -25,6 +25,9 @@ using Array = nb::ndarray<T, nb::c_contig, nb::device::cpu>;  // any shape; chec
 using Field = Array<double>;
 using OptionalField = std::optional<Field>;
 
+using ListedField = std::pair<Array<std::int32_t>, Field>;  // number of each cell, values
+using OptionalListed = std::optional<ListedField>;
+
 inline const double* pointer(const OptionalField& a) { return a ? a->data() : nullptr; }
 
 inline Paddles paddles_of(const OptionalField& rows) {
@@ -38,6 +41,13 @@ inline void require_cells(const Grid<D>& g, std::size_t size, const char* name) 
   if (static_cast<index>(size) != g.cells())
     throw std::invalid_argument(std::string(name) + " has " + std::to_string(size) + " entries, the grid " +
                                 std::to_string(g.cells()) + " cells");
+}
+
+template <int D>
+inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const char* name) {
+  if (!field) return {};
+  require_cells(g, field->first.size(), name);
+  return {field->first.data(), field->second.data()};
 }
 
 template <int D>

@@ -37,7 +37,7 @@ static const Material* materials_of(const Field& table) {  // (K, 3)
 
 template <int D>
 static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const OptionalField& table, FaceFields& rate,
-                                   const OptionalField& inverse_n2) {
+                                   const OptionalListed& inverse_n2) {
   Resistance<D> r;
   if (!table) return r;
   if (number.size() != D) throw std::invalid_argument("number needs one array per axis");
@@ -45,10 +45,9 @@ static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const 
     require_size(number[a].size(), g.faces(a), "number");
     r.number[a] = number[a].data();
   }
-  if (inverse_n2) require_cells(g, inverse_n2->size(), "inverse_n2");
   r.table = materials_of(*table);
   r.rate = optional_faces(g, rate, "rate");
-  r.inverse_n2 = pointer(inverse_n2);
+  r.inverse_n2 = listed_of(g, inverse_n2, "inverse_n2");
   return r;
 }
 
@@ -110,36 +109,37 @@ static void bind(nb::module_& m) {
       "Level to which their water fills the pores of the listed columns [m].");
   m.def(
       "find_surface",
-      [](G g, Field fill, Field open, Field level, bool columns, Field depth, Mask active, Field column, Field eta) {
+      [](G g, Field fill, ListedField open, Field level, bool columns, Field depth, Mask active, Field column,
+         Field eta) {
         require_cells(g, fill.size(), "fill");
-        require_cells(g, open.size(), "open");
+        const Listed o = listed_of(g, open, "open");
         require_cells(g, depth.size(), "depth");
         require_cells(g, active.size(), "active");
         require_columns(g, column.size(), "column");
         require_columns(g, level.size(), "level");
         require_columns(g, eta.size(), "eta");
         nb::gil_scoped_release release;
-        find_surface<D>(g, fill.data(), open.data(), level.data(), columns, depth.data(), active.data(), column.data(),
+        find_surface<D>(g, fill.data(), o, level.data(), columns, depth.data(), active.data(), column.data(),
                         eta.data());
       },
       "grid"_a, "fill"_a, "open"_a, "level"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "water_held",
-      [](G g, Mask active, Field open, Field fill, Field inverse_capacity, Array<std::int64_t> column, Field held) {
+      [](G g, Mask active, ListedField open, Field fill, Field inverse_capacity, Array<std::int64_t> column,
+         Field held) {
         require_cells(g, active.size(), "active");
-        require_cells(g, open.size(), "open");
+        const Listed o = listed_of(g, open, "open");
         require_cells(g, fill.size(), "fill");
         require_cells(g, inverse_capacity.size(), "inverse_capacity");
         const index count = static_cast<index>(column.size());
-        water_held<D>(g, active.data(), open.data(), fill.data(), inverse_capacity.data(), count, column.data(),
-                      held.data());
+        water_held<D>(g, active.data(), o, fill.data(), inverse_capacity.data(), count, column.data(), held.data());
       },
       "grid"_a, "active"_a, "open"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "held"_a,
       "Water in the listed columns [m^d], cells under the surface being full.");
   m.def(
       "apply_forces",
-      [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalField inverse_n2,
+      [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalListed inverse_n2,
          std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star, FaceFields drag,
          FaceFields mobility) {
         const auto r = resistance_of<D>(g, number, table, rate, inverse_n2);
@@ -230,10 +230,10 @@ static void bind(nb::module_& m) {
       "Divergence-free vertical velocity above the surface of single-valued columns.");
   m.def(
       "move",
-      [](G g, FaceFields u, OptionalField porosity, OptionalField own, OptionalField volume, OptionalField bulk,
+      [](G g, FaceFields u, OptionalListed porosity, OptionalField own, OptionalField volume, OptionalField bulk,
          Outline solids, Field gates, double dt, Field x, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
-        if (porosity) require_cells(g, porosity->size(), "porosity");
+        const Listed pores = listed_of(g, porosity, "porosity");
         if (own) require_size(own->size(), n * D, "own velocity");
         if (volume) require_size(volume->size(), n, "volume");
         if (bulk) require_size(bulk->size(), n, "bulk");
@@ -241,16 +241,16 @@ static void bind(nb::module_& m) {
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
-        move<D>(g, n, uu, pointer(porosity), pointer(own), pointer(volume), pointer(bulk), obstacles, dt, x.data());
+        move<D>(g, n, uu, pores, pointer(own), pointer(volume), pointer(bulk), obstacles, dt, x.data());
       },
       "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "volume"_a.none(), "bulk"_a.none(), "solids"_a.none(),
       "gates"_a, "dt"_a, "position"_a, "paddles"_a = nb::none(),
       "Moves the particles with the pore velocity, midpoint rule.");
   m.def(
       "travel",
-      [](G g, double dt, FaceFields u, FaceFields mass, double least, OptionalField porosity,
+      [](G g, double dt, FaceFields u, FaceFields mass, double least, OptionalListed porosity,
          std::vector<Array<float>> way) {
-        if (porosity) require_cells(g, porosity->size(), "porosity");
+        const Listed pores = listed_of(g, porosity, "porosity");
         if (way.size() != D) throw std::invalid_argument("way needs one array per axis");
         std::array<float*, D> ways;
         for (int a = 0; a < D; ++a) {
@@ -261,7 +261,7 @@ static void bind(nb::module_& m) {
         std::vector<double> farthest;
         {
           nb::gil_scoped_release release;
-          const auto found = travel<D>(g, dt, uu, mm, least, pointer(porosity), ways);
+          const auto found = travel<D>(g, dt, uu, mm, least, pores, ways);
           farthest.assign(found.begin(), found.end());
         }
         return farthest;
@@ -293,44 +293,44 @@ static void bind(nb::module_& m) {
       "grid"_a, "u"_a, "molecular"_a, "constant"_a, "nu"_a, "Smagorinsky viscosity of the cells [m2/s].");
   m.def(
       "viscous_acceleration",
-      [](G g, FaceFields u, FaceFields mass, double least, double molecular, OptionalField nu, OptionalField porosity,
+      [](G g, FaceFields u, FaceFields mass, double least, double molecular, OptionalField nu, OptionalListed porosity,
          std::array<bool, 2 * D> no_slip, FaceFields out) {
         if (nu) require_cells(g, nu->size(), "nu");
-        if (porosity) require_cells(g, porosity->size(), "porosity");
+        const Listed pores = listed_of(g, porosity, "porosity");
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity")), mm = ConstFaces<D>(faces_of(g, mass, "mass"));
         const auto oo = faces_of(g, out, "out");
         nb::gil_scoped_release release;
-        viscous_acceleration<D>(g, uu, mm, least, molecular, pointer(nu), pointer(porosity), no_slip.data(), oo);
+        viscous_acceleration<D>(g, uu, mm, least, molecular, pointer(nu), pores, no_slip.data(), oo);
       },
       "grid"_a, "u"_a, "mass"_a, "least"_a, "molecular"_a, "nu"_a.none(), "porosity"_a.none(), "no_slip"_a, "out"_a,
       "Viscous acceleration of the faces [m/s2].");
   m.def(
       "density_excess",
-      [](G g, Mask active, Field depth, Field column, Field eta, Field fill, Field open, OptionalField porosity,
+      [](G g, Mask active, Field depth, Field column, Field eta, Field fill, ListedField open, OptionalListed porosity,
          double omega, Field rhs) {
         require_cells(g, active.size(), "active");
         require_cells(g, fill.size(), "fill");
-        require_cells(g, open.size(), "open");
+        const Listed o = listed_of(g, open, "open"), pores = listed_of(g, porosity, "porosity");
         require_cells(g, rhs.size(), "rhs");
         require_cells(g, depth.size(), "depth");
         require_columns(g, column.size(), "column");
         require_columns(g, eta.size(), "eta");
         nb::gil_scoped_release release;
-        return density_excess<D>(g, active.data(), depth.data(), column.data(), eta.data(), fill.data(), open.data(),
-                                 pointer(porosity), omega, rhs.data());
+        return density_excess<D>(g, active.data(), depth.data(), column.data(), eta.data(), fill.data(), o, pores,
+                                 omega, rhs.data());
       },
       "grid"_a, "active"_a, "depth"_a, "column"_a, "eta"_a, "fill"_a, "open"_a, "porosity"_a.none(), "omega"_a, "rhs"_a,
       "Right-hand side of the position correction: the share of each cell's excess fill to be spread. Its largest "
       "size.");
   m.def(
       "displace",
-      [](G g, FaceFields displacement, OptionalField porosity, Outline solids, Field gates, double limit, Field x,
+      [](G g, FaceFields displacement, OptionalListed porosity, Outline solids, Field gates, double limit, Field x,
          OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         const auto dd = ConstFaces<D>(faces_of(g, displacement, "displacement"));
         const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
-        displace<D>(g, n, dd, pointer(porosity), obstacles, limit, x.data());
+        displace<D>(g, n, dd, listed_of(g, porosity, "porosity"), obstacles, limit, x.data());
       },
       "grid"_a, "displacement"_a, "porosity"_a.none(), "solids"_a.none(), "gates"_a, "limit"_a, "position"_a,
       "paddles"_a = nb::none(), "Moves the particles along a displacement given on the faces.");

@@ -33,17 +33,17 @@ template <int D>
 static void bind(nb::module_& m) {
   m.def(
       "remesh_conservative",
-      [](const Grid<D>& g, OptionalField cells, Array<std::int8_t> body, Field x, Field u, Field volume,
+      [](const Grid<D>& g, OptionalListed cells, Array<std::int8_t> body, Field x, Field u, Field volume,
          OptionalField porosity, index first, index last) {
         const auto p = particles_of<D>(x, u, volume, porosity);
-        if (cells) require_cells(g, cells->size(), "cell_porosity");
+        const Listed pores = listed_of(g, cells, "cell_porosity");
         require_size(body.size(), g.cells() << D, "body");
         if (last < 0) last = 2 * g.shape[0];
         if (first < 0 || first >= last || last > 2 * g.shape[0]) throw std::invalid_argument("no nodes between walls");
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, {pointer(cells), body.data()}, p, first, last);
+          out = remesh_conservative<D>(g, {pores, body.data()}, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },

@@ -20,7 +20,7 @@ struct Resistance {
   std::array<const std::int32_t*, D> number{};  // of the material of each face
   const Material* table = nullptr;              // null: clear water everywhere
   ConstFaces<D> rate;                           // further linear resistance of the faces [1/s], null: none
-  const double* inverse_n2 = nullptr;           // cells <1/n^2>, null: 1
+  Listed inverse_n2;                            // cells <1/n^2>, null: 1
 };
 
 // What surrounds the faces of axis a on one row: of the other components the four faces around, and the cells about.
@@ -29,10 +29,10 @@ struct Resistance {
 template <int D, int a>
 struct FaceRow {
   static constexpr int up = D - 1;
-  std::array<const double*, 4> around[D];                  // of component b: two on each side of the face
-  std::array<const double*, 2> side, after[D], before[D];  // cells: on both sides, and their neighbours along b
+  std::array<const double*, 4> around[D];           // of component b: two on each side of the face
+  std::array<Listed, 2> side, after[D], before[D];  // cells: on both sides, and their neighbours along b
 
-  FaceRow(const Grid<D>& g, const std::array<index, D>& i, const ConstFaces<D>& u, const double* cells) {
+  FaceRow(const Grid<D>& g, const std::array<index, D>& i, const ConstFaces<D>& u, const Listed& cells) {
     const auto stride = Grid<D>::strides(g.shape);
     for (int s = 0; s < 2; ++s) {
       auto j = i;
@@ -67,7 +67,7 @@ struct FaceRow {
   }
 
  private:
-  static const double* at(const double* cells, index i) { return cells ? cells + i : nullptr; }
+  static Listed at(const Listed& cells, index i) { return cells ? cells + i : Listed{}; }
 };
 
 // (1 - exp(-y)) / y, for the small y of most faces by its series sum_k (-y)^k / (k+1)!, to round-off
@@ -113,7 +113,8 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
     }
     const std::int32_t* number = medium.number[a];
     const Material* table = medium.table;
-    const double *rate = medium.rate[a], *cells = medium.inverse_n2;
+    const double* rate = medium.rate[a];
+    const Listed cells = medium.inverse_n2;
     const auto shape = g.face_shape(a);
     const index line = shape[up], nz = g.shape[up];
     const auto face = [=](const FaceRow<D, a>& row, index f, index k) {
@@ -181,7 +182,7 @@ inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFace
     const Material* table = medium.table;
     const index rows = g.faces(a) / line;
     const auto each = parallel_values(rows, [=](index r) {
-      const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, nullptr);
+      const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, {});
       double sum = 0.0;
       for (index k = 0; k < line; ++k) {
         const index f = r * line + k;

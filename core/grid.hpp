@@ -89,6 +89,15 @@ struct ConstFaces {
   const double* operator[](int a) const { return data[a]; }
 };
 
+// A property of the cells with few different values: each cell has the number of its own. Null: there is none.
+struct Listed {
+  const std::int32_t* number = nullptr;
+  const double* value = nullptr;
+  double operator[](index cell) const { return value[number[cell]]; }
+  Listed operator+(index cell) const { return {number + cell, value}; }
+  explicit operator bool() const { return number != nullptr; }
+};
+
 // A vertical wall across the first axis, wherever it stands between the faces: water on its far side (side > 0) or on
 // its near one. Not nearer than `mirrored` cells to the sides of the tank.
 struct Paddle {

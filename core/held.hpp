@@ -13,7 +13,7 @@ namespace houle {
 // have one air: without air, but without the place of a particle, 2^-D of the fill, or more. The cells that touch such
 // a one share it in their fills.
 template <int D>
-inline void water_held(const Grid<D>& g, const std::uint8_t* active, const double* open, const double* fill,
+inline void water_held(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const double* fill,
                        const double* inverse_capacity, index count, const std::int64_t* column, double* held) {
   constexpr double least = 1.0 - 1.0 / (1 << D);
   const index nz = g.shape[D - 1];

@@ -238,8 +238,8 @@ struct Stencil {
   }
 
   // The field of that component at the particle; a kernel that is not normalised is divided by the sum of its weights.
-  template <int component>
-  [[gnu::always_inline]] double gather(const std::array<index, D>& stride, const double* field) const {
+  template <int component, class Field>
+  [[gnu::always_inline]] double gather(const std::array<index, D>& stride, const Field& field) const {
     double value = 0.0, sum = 0.0;
     each<component>(stride, [&](index f, double w, double sign) {
       value += w * sign * field[f];

@@ -135,7 +135,7 @@ struct ParticleView {
 
 template <int D>
 struct Pores {              // of the half cells
-  const double* cells;      // porosity at the cell centres, between which it is linear; null: 1
+  Listed cells;             // porosity at the cell centres, between which it is linear; null: 1
   const std::int8_t* body;  // of each half cell: negative in solids
 
   bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls

@@ -59,7 +59,7 @@ inline void column_heights(const Grid<D>& g, const std::int64_t* start, const do
 // open (cells): 0 marks cells closed by solids. column, eta (grid.shape[:-1]): work space; level of the surface above
 // z = 0 [m], NaN where dry.
 template <int D>
-inline void find_surface(const Grid<D>& g, const double* fill, const double* open, const double* level,
+inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level,
                          bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
@@ -73,7 +73,8 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
   parallel_for_grid(
       columns,
       [=](index c) {
-        const double *F = fill + c * nz, *o = open + c * nz;
+        const double* F = fill + c * nz;
+        const Listed o = open + c * nz;
         index bed = 0, k = 0;
         while (bed < nz && o[bed] < 1.0 && (bed == 0 || o[bed] >= o[bed - 1])) ++bed;
         while (k < nz && (o[k] <= 0.0 || F[k] >= 0.5)) ++k;
@@ -101,7 +102,8 @@ inline void find_surface(const Grid<D>& g, const double* fill, const double* ope
             const double other = column[c + (j - i[a]) * stride[a]];
             if (!(std::abs(other - column[c]) * hz <= g.h[a])) gentle = false;
           }
-        const double *F = fill + c * nz, *o = open + c * nz;
+        const double* F = fill + c * nz;
+        const Listed o = open + c * nz;
         index top = -1, holes = 0;
         for (index k = 0; k < nz; ++k) {
           const double d = gentle ? column[c] - (k + 0.5) : depth_from_fill(F[k]);
@@ -158,7 +160,7 @@ inline bool all_around(const Grid<D>& g, index c, F&& f) {
 
 // Whether there is no air in a cell nor in any that touches it.
 template <int D>
-inline bool without_air(const Grid<D>& g, const std::uint8_t* active, const double* open, index c) {
+inline bool without_air(const Grid<D>& g, const std::uint8_t* active, const Listed& open, index c) {
   return all_around(g, c, [=](index n) { return active[n] || open[n] <= 0.0; });
 }
 

@@ -164,8 +164,8 @@ inline void gather_cells(const Grid<D>& g, index n, const double* x, const doubl
 // The medium at the particles, linear from the cells: bulk volume V/n, inertia C_r/n. All arrays (n,) but
 // cell_porosity and cell_inertia (cells).
 template <int D>
-inline void sample_medium(const Grid<D>& g, index n, const double* x, const double* volume, const double* cell_porosity,
-                          const double* cell_inertia, double* bulk, float* inertia) {
+inline void sample_medium(const Grid<D>& g, index n, const double* x, const double* volume, const Listed& cell_porosity,
+                          const Listed& cell_inertia, double* bulk, float* inertia) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     Stencil<LinearKernel, D> st;

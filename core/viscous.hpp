@@ -49,7 +49,7 @@ inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, 
 // nu (cells, null: `molecular`), porosity (cells, null: 1), mass (faces) and the least mass of a face that holds water.
 template <int D>
 inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
-                                 const double* nu, const double* porosity, const bool* no_slip, Faces<D> out) {
+                                 const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
   std::array<bool, 2 * D> hold;
   for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
   constexpr int up = D - 1;

@@ -19,6 +19,11 @@ def grids(draw: st.DrawFn, least: int = 3, most: int = 9) -> Grid:
     return Grid(shape, spacing, periodic)
 
 
+def numbered(field: FloatArray | None) -> tuple[np.ndarray, FloatArray] | None:
+    """A cell field as the core takes properties with few different values (Medium.listed): here all differ."""
+    return None if field is None else (np.arange(field.size, dtype=np.int32), field.ravel())
+
+
 randoms = st.integers(0, 2**32 - 1).map(np.random.default_rng)
 
 

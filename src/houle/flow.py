@@ -168,17 +168,10 @@ class Flow:
         """Bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            cells = (self.medium.particle_porosity, self.cell_inertia)
+            cells = (self.medium.listed("particle_porosity"), self.medium.listed("inertia"))
             _core.sample_medium(core, p.position, p.volume, *cells, self._bulk, self.inertia)
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
-
-    @cached_property
-    def cell_inertia(self) -> FloatArray:
-        """Mean of C_r / n of the faces around each cell."""
-        faces = enumerate(self.medium.on_faces(0))
-        parts = [0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in faces]
-        return np.ascontiguousarray(sum(parts) / self.grid.dimension)
 
     def snapshot(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Copies of position, velocity and porosity of the particles."""

@@ -62,6 +62,7 @@ def find_surface(flow: Flow) -> None:
     Valid for particles moved by up to two cells since they were sorted.
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
+    open_cells = flow.medium.listed("open_cells")
     _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill, flow.walls)
     _core.column_heights(core, flow.start, position, flow.particles.volume, flow.level, flow.walls)
     if flow.porous:
@@ -69,7 +70,7 @@ def find_surface(flow: Flow) -> None:
     flow.fill *= flow.inverse_capacity
     _core.column_levels(core, flow.fill, flow.inverse_capacity, mixed.column, mixed.start, mixed.pieces, flow.level)
     _core.find_surface(
-        core, flow.fill, flow.medium.open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
+        core, flow.fill, open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
         flow.eta,
     )  # fmt: skip
     for paddle in flow.paddles:
@@ -86,7 +87,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     flow.extra = flow.old_velocity
     _core.viscous_acceleration(
         core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
-        m.porosity if flow.porous else None, flow.no_slip, flow.extra,
+        m.listed("porosity") if flow.porous else None, flow.no_slip, flow.extra,
     )  # fmt: skip
     parts = zip(flow.work.face_mass, flow.velocity, flow.extra, strict=True)
     ledger.viscous_work -= dt * sum(_core.face_power(*part) for part in parts)
@@ -145,7 +146,11 @@ def drive(flow: Flow, dt: float) -> None:
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
-    resistance = (m.material, m.materials, flow.damping, m.inverse_n2) if flow.resists else ([], None, [], None)
+    resistance = (
+        (m.material, m.materials, flow.damping, m.listed("inverse_n2") if flow.porous else None)
+        if flow.resists
+        else ([], None, [], None)
+    )
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt
     _core.apply_forces(
@@ -221,7 +226,7 @@ def move(flow: Flow, dt: float) -> None:
     p = flow.particles
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
-        flow.grid.core, flow.velocity, flow.medium.particle_porosity if flow.porous else None, *own,
+        flow.grid.core, flow.velocity, flow.medium.listed("particle_porosity") if flow.porous else None, *own,
         flow.medium.outline, flow.gates, dt, p.position, flow.walls,
     )  # fmt: skip
 
@@ -245,14 +250,23 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     if share == 0.0:
         return
     g, m, work = flow.grid, flow.medium, flow.work
-    porosity = m.porosity if flow.porous else None
+    porosity = m.listed("porosity") if flow.porous else None
     find_surface(flow)
     _core.pressure_system(
         g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
     largest = _core.density_excess(
-        g.core, flow.active, flow.depth, flow.column, flow.eta, flow.fill, m.open_cells, porosity, share, work.rhs
+        g.core,
+        flow.active,
+        flow.depth,
+        flow.column,
+        flow.eta,
+        flow.fill,
+        m.listed("open_cells"),
+        porosity,
+        share,
+        work.rhs,
     )
     if flow.paddles:
         for paddle in flow.paddles:
@@ -269,6 +283,6 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         displacement, work.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
-    porosity = m.particle_porosity if flow.porous else None
+    porosity = m.listed("particle_porosity") if flow.porous else None
     obstacles = (m.outline, flow.gates)
     _core.displace(g.core, displacement, porosity, *obstacles, MOST_SHIFT, flow.particles.position, flow.walls)

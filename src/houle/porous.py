@@ -44,17 +44,20 @@ class PorousBody:
 class Medium:
     """What the water moves through, at rest on the grid. Averages are over the open (not solid) part of the space.
 
-    porosity       cells  mean n; 1 in clear water. A closed cell beside open ones has their mean, so that interpolation
+    kind           cells  number of a column of each of `kinds` (int32): most cells lie in one body, or in clear water
+    kinds          name -> values (K,) of
+        porosity          mean n; 1 in clear water. A closed cell beside open ones has their mean, so that interpolation
                           to points beside a solid sees no clear water inside it (the same holds for inverse_n2)
-    open_cells     cells  open fraction of the volume, 0 where less than `CLOSED`
+        particle_porosity n at the cell centres, between which that of the particles is linear: such that water
+                          which fills it fills the tents as it does the pores of the structure (decision 0010)
+        open_cells        open fraction of the volume, 0 where less than `CLOSED`
+        inverse_n2        <1 / n^2>
+        inertia           mean of <C_r / n> of the faces around the cell
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed
     material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water
     materials      (K, 3) <C_r / n>, <a> [1/s] and <b> [1/m] over the one-cell box around a face (its inner half at a
                           wall)
-    inverse_n2     cells  <1 / n^2>; None without bodies
-    particle_porosity  cells  n at the cell centres, between which that of the particles is linear: such that water
-                          which fills it fills the tents as it does the pores of the structure (decision 0010)
     body           int8   (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
                           water, -1 in a solid
     outline        of the solids, for particles near them; None without solids
@@ -63,13 +66,11 @@ class Medium:
     grid: Grid
     bodies: tuple[PorousBody, ...]
     solids: tuple[Shape, ...]
-    porosity: FloatArray
-    particle_porosity: FloatArray
-    open_cells: FloatArray
+    kind: NDArray[np.int32]
+    kinds: dict[str, FloatArray]
     open_faces: Faces
     material: list[NDArray[np.int32]]
     materials: FloatArray
-    inverse_n2: FloatArray | None
     body: NDArray[np.int8]
     outline: Outline | None
 
@@ -83,26 +84,48 @@ class Medium:
 
         cells = _Mean(solid, inside, [over_cells] * grid.dimension)
         open_cells = np.where(cells.open < CLOSED, 0.0, cells.open)
-        inverse_n2 = _extend(cells.of([n**-2 for n in porosities], 1.0), open_cells, grid.periodic) if bodies else None
+        inverse_n2 = _extend(cells.of([n**-2 for n in porosities], 1.0), open_cells, grid.periodic)
         material, materials = _list_materials(grid, bodies, solid, inside)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
+        inertia = _around_cells([materials[number, 0] for number in material])
+        names = ("porosity", "particle_porosity", "open_cells", "inverse_n2", "inertia")
+        kind, kinds = _listed([porosity, particle_porosity, open_cells, inverse_n2, inertia])
         return cls(
             grid=grid,
             bodies=tuple(bodies),
             solids=tuple(solids),
-            porosity=porosity,
-            particle_porosity=particle_porosity,
-            open_cells=open_cells,
+            kind=kind,
+            kinds=dict(zip(names, np.ascontiguousarray(kinds.T), strict=True)),
             open_faces=_open_faces(grid, open_cells, [(span, area) for span, area, _ in parts]),
             material=material,
             materials=materials,
-            inverse_n2=inverse_n2,
             body=_index_bodies(grid, parts),
             outline=Outline.of(grid, solids),
         )
+
+    def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:
+        """One of `kinds` as the core takes it."""
+        return self.kind, self.kinds[name]
+
+    @property
+    def porosity(self) -> FloatArray:
+        """A new array, as all the following."""
+        return self.kinds["porosity"][self.kind]
+
+    @property
+    def particle_porosity(self) -> FloatArray:
+        return self.kinds["particle_porosity"][self.kind]
+
+    @property
+    def open_cells(self) -> FloatArray:
+        return self.kinds["open_cells"][self.kind]
+
+    @property
+    def inverse_n2(self) -> FloatArray:
+        return self.kinds["inverse_n2"][self.kind]
 
     def on_faces(self, column: int) -> Faces:
         """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
@@ -164,6 +187,12 @@ def _list_materials(
         numbers.append(number + np.int32(len(table)))
         table = np.concatenate([table, rows])
     return numbers, table
+
+
+def _around_cells(faces: Faces) -> FloatArray:
+    """Mean of the faces around each cell."""
+    parts = [0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in enumerate(faces)]
+    return sum(parts) / len(faces)  # type: ignore[return-value]
 
 
 def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:

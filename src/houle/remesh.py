@@ -34,9 +34,9 @@ EVERYWHERE: Nodes = (0, -1)
 class Conservative:
     """Volume, momentum and centre of volume conserved, up to the surface and across porous interfaces.
 
-    porosity (cells), None: 1; body: of the half cells, negative in solids (Medium.body). Between the centres of the
-    cells the porosity is linear; where it varies the nodes around a particle receive in proportion to that of their
-    half cells, so that water which fills the pores goes on filling them.
+    porosity: of the cells, as Medium.listed gives it, None: 1; body: of the half cells, negative in solids
+    (Medium.body). Between the centres of the cells the porosity is linear; where it varies the nodes around a particle
+    receive in proportion to that of their half cells, so that water which fills the pores goes on filling them.
     Conserved to round-off: sum V, sum V u_d and, but for a rare particle that would have left the tank or entered a
     solid, sum V x, so the potential energy. The true momentum sum V u_d / n is conserved as far as n is the same for
     all.
@@ -50,12 +50,12 @@ class Conservative:
     """
 
     grid: Grid
-    porosity: FloatArray | None
+    porosity: tuple[NDArray[np.int32], FloatArray] | None
     body: NDArray[np.int8]
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Conservative:
-        return cls(grid, medium.particle_porosity if medium.bodies else None, medium.body)
+        return cls(grid, medium.listed("particle_porosity") if medium.bodies else None, medium.body)
 
     def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
         p = particles

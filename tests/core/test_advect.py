@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import reference
 import reference_transfer
-from clouds import grids, linear_faces, random_faces, randoms, scattered, start_of
+from clouds import grids, linear_faces, numbered, random_faces, randoms, scattered, start_of
 from houle import _core
 from houle.geometry import Box, Polygon, Union, signed_distance
 from houle.grid import Grid
@@ -23,7 +23,7 @@ def move(grid, u, dt, x, porosity=None, outline=None, gates=NO_GATES, own=None, 
     x = np.ascontiguousarray(x, dtype=float).copy()
     volume = None if own_porosity is None else np.full(len(x), 0.125)
     bulk = None if own_porosity is None else volume / own_porosity
-    _core.move(grid.core, u, porosity, own, volume, bulk, outline, gates, dt, x)
+    _core.move(grid.core, u, numbered(porosity), own, volume, bulk, outline, gates, dt, x)
     return x
 
 
@@ -35,12 +35,12 @@ def test_ways_against_the_twin(grid, random, porous):
     porosity = random.uniform(0.3, 1.0, grid.shape) if porous else None
     ways = [random.normal(size=f.shape).astype(np.float32) for f in u]
     expected = [reference.travel(a, dt, u[a], mass[a], 1.0, porosity, way) for a, way in enumerate(ways)]
-    assert _core.travel(grid.core, dt, u, mass, 1.0, porosity, ways) == [farthest for _, farthest in expected]
+    assert _core.travel(grid.core, dt, u, mass, 1.0, numbered(porosity), ways) == [farthest for _, farthest in expected]
     for way, (wanted, _) in zip(ways, expected, strict=True):
         assert np.array_equal(way, wanted)
     if mass[0].max() > 1.0:
         u[0].flat[np.argmax(mass[0])] = np.nan
-        assert np.isnan(_core.travel(grid.core, dt, u, mass, 1.0, porosity, ways)[0])
+        assert np.isnan(_core.travel(grid.core, dt, u, mass, 1.0, numbered(porosity), ways)[0])
 
 
 def obstacles(grid, random):
@@ -69,7 +69,7 @@ def test_motion_against_the_twin(grid, random, porous, obstructed):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
 
     new = x.copy()
-    _core.displace(grid.core, u, porosity, outline, gates, 0.1, new)
+    _core.displace(grid.core, u, numbered(porosity), outline, gates, 0.1, new)
     expected = reference.displace(grid, u, porosity, block, gates, 0.1, x)
     np.testing.assert_allclose(new, expected, rtol=0, atol=1e-12)
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import reference
 import reference_transfer
-from clouds import grids, random_faces, randoms
+from clouds import grids, numbered, random_faces, randoms
 from houle import _core
 from houle.grid import Grid
 from houle.validation.exact import PorousMedium, bernoulli_jump, duct_flow
@@ -29,7 +29,7 @@ def forces(grid, u, medium, gravity, dt, extra=(), rate=()):
     """(star, drag, mobility) of the core; medium: inertia, darcy, forchheimer (faces), inverse_n2 (cells)."""
     out = [grid.faces() for _ in range(3)]
     number, table = listed(*medium[:3]) if medium else ([], None)
-    inverse_n2 = medium[3] if medium else None
+    inverse_n2 = numbered(medium[3]) if medium else None
     _core.apply_forces(grid.core, u, number, table, list(rate), inverse_n2, gravity, list(extra), dt, *out)
     return out
 

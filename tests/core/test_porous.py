@@ -37,11 +37,11 @@ def all_fields(medium: Medium) -> list[np.ndarray]:
 @pytest.mark.parametrize(("shape", "size"), [((7, 5), (0.7, 0.4)), ((4, 3, 5), (0.4, 0.2, 0.5))])
 def test_clear_water_is_one_everywhere(shape, size):
     medium = Medium.build(Grid(shape, tuple(s / n for s, n in zip(size, shape, strict=True)), (False,) * len(shape)))
-    for ones in (medium.porosity, medium.open_cells, *medium.open_faces, *medium.on_faces(0)):
+    for ones in (medium.porosity, medium.open_cells, medium.inverse_n2, *medium.open_faces, *medium.on_faces(0)):
         assert np.array_equal(ones, np.ones_like(ones))
     for zeros in (*medium.on_faces(1), *medium.on_faces(2), medium.body):
         assert not zeros.any()
-    assert medium.outline is None and medium.inverse_n2 is None
+    assert medium.outline is None
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_remesh as reference
+from clouds import numbered
 from houle import _core
 from houle.grid import Grid
 from houle.particles import Particles, lattice
@@ -81,7 +82,7 @@ def test_volume_and_momentum_are_conserved(situation, bodies, seed):
         body[(0,) * grid.dimension] = -1
     pores = reference.half_cells(grid, cells, body)
     own = at(pores, grid, old.position)
-    new = Conservative(grid, cells, body)(old, np.where(own > 0, own, 1.0))
+    new = Conservative(grid, numbered(cells), body)(old, np.where(own > 0, own, 1.0))
     assert np.all(new.volume > 0)
     assert np.all((new.position >= 0) & (new.position <= grid.size))
     assert (old.volume[own == 0].sum() > 0) or np.all(at(pores, grid, new.position) > 0)
@@ -108,7 +109,7 @@ def test_full_pores_stay_full_across_an_interface(dimension, shift):
     held = np.array([weights @ line[[i - 1, i, i + 1, i + 2]] for i in index])  # of the porosity at the nodes around
     x[:, 0] += shift
     old = Particles(x % grid.size, np.zeros_like(x), held * grid.cell_volume / 2**dimension)
-    new = Conservative(grid, cells, everywhere_open(grid))(old, held)
+    new = Conservative(grid, numbered(cells), everywhere_open(grid))(old, held)
     assert len(new) == len(nodes)
     np.testing.assert_allclose(new.volume / at(pores, grid, new.position), 0.5**dimension, rtol=1e-9)
 
@@ -262,7 +263,7 @@ def test_agrees_with_the_numpy_twin(dimension, scatter):
     body[-1] = -1
     pores = reference.half_cells(grid, cells, body)
     porosity = np.where(at(pores, grid, old.position) == 1.0, 1.0, 0.5)
-    new = Conservative(grid, cells, body)(old, porosity)
+    new = Conservative(grid, numbered(cells), body)(old, porosity)
     twin = reference.conservative(grid, pores, old.position, old.velocity, old.volume, porosity)
     x, u, v = twin
     np.testing.assert_allclose(new.position, x, atol=1e-8)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-from clouds import grids, randoms, scattered, start_of
+from clouds import grids, numbered, randoms, scattered, start_of
 from houle import _core
 from houle.flow import Flow
 from houle.geometry import Box, Polygon
@@ -34,7 +34,7 @@ def find(grid, fill, height=None, columns=True, open_cells=None):
     column, eta = np.zeros(grid.shape[:-1]), np.zeros(grid.shape[:-1])
     height = np.zeros(grid.shape[:-1]) if height is None else height
     open_cells = grid.cells(1.0) if open_cells is None else open_cells
-    _core.find_surface(grid.core, fill, open_cells, height, columns, depth, active, column, eta)
+    _core.find_surface(grid.core, fill, numbered(open_cells), height, columns, depth, active, column, eta)
     return depth, active, column, eta
 
 
@@ -186,7 +186,7 @@ def test_the_water_that_columns_hold_is_the_reference(grid, random):
     inverse = np.where(closed, 0.0, random.uniform(1.0, 2.0, grid.shape))
     columns = np.flatnonzero(random.random(grid.shape[:-1]) < 0.5)
     held = np.full(len(columns), np.nan)
-    _core.water_held(grid.core, active, open_cells, fill, inverse, columns, held)
+    _core.water_held(grid.core, active, numbered(open_cells), fill, inverse, columns, held)
     expected = reference.water_held(grid, active, open_cells, fill, inverse)
     np.testing.assert_allclose(held, expected.ravel()[columns], rtol=1e-13)
 
@@ -205,7 +205,7 @@ def test_the_correction_spreads_deficit_and_excess_alike_under_gentle_and_steep_
     assert not np.isnan(column).any()
     assert (eta == column).all() == (step < 1.0)
     rhs = grid.cells()
-    arrays = (active, depth, column, eta, fill, grid.cells(1.0))
+    arrays = (active, depth, column, eta, fill, numbered(grid.cells(1.0)))
     largest = _core.density_excess(grid.core, *arrays, None, 0.5, rhs)
     assert rhs[1, 2] == pytest.approx(0.5 * excess) and largest == pytest.approx(0.05)
     rhs[1, 2] = 0.0

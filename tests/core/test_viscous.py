@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 
 import reference
-from clouds import grids, linear_faces, random_faces, randoms
+from clouds import grids, linear_faces, numbered, random_faces, randoms
 from houle import _core
 from houle.grid import Grid
 
@@ -16,7 +16,7 @@ def acceleration(grid, u, nu, porosity=None, mass=None, no_slip=None, least=0.1)
     out = grid.faces(7.0)  # overwritten
     no_slip = no_slip or [(False, False)] * grid.dimension
     flags = [side for pair in no_slip for side in pair]
-    _core.viscous_acceleration(grid.core, u, mass or grid.faces(1.0), least, 0.0, nu, porosity, flags, out)
+    _core.viscous_acceleration(grid.core, u, mass or grid.faces(1.0), least, 0.0, nu, numbered(porosity), flags, out)
     return out
 
 

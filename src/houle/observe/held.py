@@ -20,6 +20,6 @@ def water_held(flow: Flow) -> tuple[NDArray[np.bool_], FloatArray]:
     number = np.flatnonzero(columns)
     held = np.empty(len(number))
     _core.water_held(
-        flow.grid.core, flow.active, flow.medium.open_cells, flow.fill, flow.inverse_capacity, number, held
+        flow.grid.core, flow.active, flow.medium.listed("open_cells"), flow.fill, flow.inverse_capacity, number, held
     )
     return columns, flow.grid.spacing[-1] / flow.grid.cell_volume * held

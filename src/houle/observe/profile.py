@@ -53,7 +53,8 @@ def wet_share(flow: Flow, columns: Any) -> FloatArray:
 
     Cells between the water and a surface tell by their depth; those deeper are wet, however the particles lie in them.
     """
-    active, open_ = flow.active[columns] > 0, flow.medium.open_cells[columns] > 0.0
+    kind, opened = flow.medium.listed("open_cells")
+    active, open_ = flow.active[columns] > 0, opened[kind[columns]] > 0.0
     covered = np.ones(active.shape, bool)
     covered[..., :-1] = active[..., 1:] | ~open_[..., 1:]
     return np.where(active & covered, 1.0, np.clip(flow.depth[columns] + 0.5, 0.0, 1.0))
