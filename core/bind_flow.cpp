@@ -335,6 +335,23 @@ static void bind(nb::module_& m) {
       "grid"_a, "displacement"_a, "porosity"_a.none(), "solids"_a.none(), "gates"_a, "limit"_a, "position"_a,
       "paddles"_a = nb::none(), "Moves the particles along a displacement given on the faces.");
   m.def(
+      "stop_at_solids",
+      [](G g, std::vector<std::pair<Array<std::int64_t>, Field>> closed, FaceFields u) {
+        if (closed.size() != D) throw std::invalid_argument("closed needs one entry per axis");
+        ClosedFaces<D> faces;
+        static_assert(sizeof(ClosedFace<D>) == (2 * D + 1) * sizeof(double));
+        for (int a = 0; a < D; ++a) {
+          faces.count[a] = static_cast<index>(closed[a].first.size());
+          require_size(closed[a].second.size(), (2 * D + 1) * faces.count[a], "closed");
+          faces.face[a] = closed[a].first.data();
+          faces.at[a] = reinterpret_cast<const ClosedFace<D>*>(closed[a].second.data());
+        }
+        const auto uu = faces_of(g, u, "velocity");
+        nb::gil_scoped_release release;
+        stop_at_solids<D>(g, faces, uu);
+      },
+      "grid"_a, "closed"_a, "velocity"_a, "Velocity on closed faces such that none crosses the outline of the solids.");
+  m.def(
       "leave_solids",
       [](G g, Outline solids, Field x) {
         const index n = points_of<D>(x, "position");

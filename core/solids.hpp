@@ -2,8 +2,9 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
-#include "grid.hpp"
+#include "transfer.hpp"
 
 namespace houle {
 
@@ -122,6 +123,61 @@ inline void leave_solids(const Grid<D>& g, index n, const Solids<D>& solids, dou
     leave_solids(g, solids, x + D * p);
     bring_into_tank(g, x + D * p);
   });
+}
+
+// A face in the solids near the water, from which particles in the water interpolate.
+template <int D>
+struct ClosedFace {
+  double normal[D];   // outwards from the solid
+  double outside[D];  // point in the water, one spacing from where that normal leaves the solid
+  double depth;       // of the face's centre in the solid, in spacings
+};
+
+// The closed faces of each axis: their numbers in the field, and what stands there.
+template <int D>
+struct ClosedFaces {
+  index count[D] = {};
+  const std::int64_t* face[D] = {};
+  const ClosedFace<D>* at[D] = {};
+};
+
+// Along the normal of a solid the velocity is linear, from that in the water one spacing away to 0 on the outline, and
+// goes on so behind it: else what is carried into the solid from the water would drive the particles onto it. Along
+// the outline the values of the closed faces stay. In place.
+template <int D>
+inline void stop_at_solids(const Grid<D>& g, const ClosedFaces<D>& closed, Faces<D> u) {
+  const auto stride = face_strides(g);
+  const ConstFaces<D> now = u;
+  const auto across = [=](const double* x, const double* normal) {
+    Stencil<LinearKernel, D> st;
+    st.set(g, x);
+    double sum = 0.0;
+    each_of<D>([&](auto b) { sum += normal[b] * st.template gather<b>(stride[b], now[b]); });
+    return sum;
+  };
+  std::array<std::vector<double>, D> stopped;
+  for (int a = 0; a < D; ++a) {
+    const std::int64_t* face = closed.face[a];
+    const ClosedFace<D>* at = closed.at[a];
+    const auto shape = g.face_shape(a);
+    stopped[a] = parallel_values(
+        closed.count[a],
+        [=](index k) {
+          const auto i = Grid<D>::unflat(face[k], shape);
+          double x[D];
+          for (int b = 0; b < D; ++b) x[b] = (static_cast<double>(i[b]) + (b == a ? 0.0 : 0.5)) * g.h[b];
+          const ClosedFace<D>& f = at[k];
+          return now[a][face[k]] - f.normal[a] * (across(x, f.normal) + f.depth * across(f.outside, f.normal));
+        },
+        256);
+  }
+  for (int a = 0; a < D; ++a) {
+    const std::int64_t* face = closed.face[a];
+    const double* value = stopped[a].data();
+    double* ua = u[a];
+    parallel_for(closed.count[a], [=](index k) { ua[face[k]] = value[k]; });
+  }
+  close_periodic(g, u);
 }
 
 }  // namespace houle

@@ -247,6 +247,21 @@ def face_velocity(grid, u, x):
     return np.array([w * sign @ v[node] for v, (node, w, sign, _) in zip(u, found, strict=True)])
 
 
+def stop_at_solids(grid, closed, u):
+    """Face velocities whose part along the normal of a solid is linear, 0 on its outline; closed: per axis (faces,
+    rows of normal, point in the water one spacing away, depth of the face's centre in spacings)."""
+    d, new = grid.dimension, [v.copy() for v in u]
+    for a, (faces, rows) in enumerate(closed):
+        for number, row in zip(faces, rows, strict=True):
+            i = np.unravel_index(number, grid.face_shape(a))
+            centre = (np.array(i) + 0.5 * (np.arange(d) != a)) * grid.spacing
+            normal, outside, depth = row[:d], row[d : 2 * d], row[-1]
+            across = normal @ face_velocity(grid, u, centre) + depth * (normal @ face_velocity(grid, u, outside))
+            new[a][i] = u[a][i] - normal[a] * across
+        close_periodic(grid, a, new[a])
+    return new
+
+
 def cell_value(grid, field, x):
     """Cell field at a point, linear; 1 without a field."""
     node, w, _, _ = stencil(grid, "linear", -1, x)

@@ -189,6 +189,8 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         plane.impose(flow)
     _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
+    if flow.medium.closed_faces:
+        _core.stop_at_solids(core, flow.medium.closed_faces, flow.velocity)
     _book_works(flow, dt, ledger)
 
 

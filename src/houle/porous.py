@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from houle.geometry import Shape, Span, covers, layers, section
 from houle.grid import Faces, FloatArray, Grid
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
-from houle.solids import Outline
+from houle.solids import ClosedFaces, Outline, closed_faces
 
 FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
@@ -61,6 +61,7 @@ class Medium:
     body           int8   (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
                           water, -1 in a solid
     outline        of the solids, for particles near them; None without solids
+    closed_faces   of each axis, those in solids near the water; none without solids
     """
 
     grid: Grid
@@ -73,6 +74,7 @@ class Medium:
     materials: FloatArray
     body: NDArray[np.int8]
     outline: Outline | None
+    closed_faces: list[ClosedFaces]
 
     @classmethod
     def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
@@ -93,17 +95,20 @@ class Medium:
         inertia = _around_cells([materials[number, 0] for number in material])
         names = ("porosity", "particle_porosity", "open_cells", "inverse_n2", "inertia")
         kind, kinds = _listed([porosity, particle_porosity, open_cells, inverse_n2, inertia])
+        open_faces = _open_faces(grid, open_cells, [(span, area) for span, area, _ in parts])
+        outline = Outline.of(grid, solids)
         return cls(
             grid=grid,
             bodies=tuple(bodies),
             solids=tuple(solids),
             kind=kind,
             kinds=dict(zip(names, np.ascontiguousarray(kinds.T), strict=True)),
-            open_faces=_open_faces(grid, open_cells, [(span, area) for span, area, _ in parts]),
+            open_faces=open_faces,
             material=material,
             materials=materials,
             body=_index_bodies(grid, parts),
-            outline=Outline.of(grid, solids),
+            outline=outline,
+            closed_faces=closed_faces(grid, outline, open_cells, open_faces) if outline else [],
         )
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:

@@ -16,9 +16,12 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry.polygon import orient
 
+from houle import _core
 from houle.geometry import Shape, layers, polygons, section
-from houle.grid import FloatArray, Grid
+from houle.grid import Faces, FloatArray, Grid
 from houle.moments import section_moments
+
+ON_OUTLINE = 1e-6  # [spacings] a face nearer to the outline lies on it
 
 
 class Outline(NamedTuple):
@@ -53,6 +56,53 @@ class Outline(NamedTuple):
             return None
         start = np.concatenate([[0], np.cumsum(np.concatenate(counts))]).astype(np.int64)
         return cls(start, np.concatenate(numbers).astype(np.int32), np.concatenate(edges), np.array(top, float))
+
+
+class ClosedFaces(NamedTuple):
+    """The closed faces of one axis from which water beside a solid interpolates its velocity.
+
+    face (N,) int64 numbers in the flat field; place (N, 2 d + 1): normal out of the solid, the point in the water one
+    spacing beyond the outline along it [m], depth of the face's centre in the solid [spacings], at most 1.
+    """
+
+    face: NDArray[np.int64]
+    place: FloatArray
+
+
+def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_faces: Faces) -> list[ClosedFaces]:
+    """Those of every axis; where the centre lies on the outline the normal is the axis, if water is beside the face."""
+    d, spacing, found = grid.dimension, min(grid.spacing), []
+    for axis in range(d):
+        beside, near = _beside(grid, open_cells, axis)
+        index = np.argwhere((open_faces[axis] == 0.0) & near)
+        index = index[(index[:, axis] > 0) | grid.periodic[axis]]
+        index = index[index[:, axis] < grid.shape[axis]]
+        centre = (index + 0.5 * (np.arange(d) != axis)) * grid.spacing
+        surface = centre.copy()
+        _core.leave_solids(grid.core, outline, surface)
+        way = surface - centre
+        depth = np.linalg.norm(way, axis=1, keepdims=True)
+        on_it = depth < ON_OUTLINE * spacing
+        normal = np.where(on_it, np.eye(d)[axis], way / np.where(on_it, 1.0, depth))
+        outside = np.clip(surface + spacing * normal, 0.0, grid.size)
+        place = np.concatenate([normal, outside, np.where(on_it, 0.0, np.minimum(depth / spacing, 1.0))], axis=1)
+        used = ~on_it[:, 0] | beside[tuple(index.T)]
+        face = np.ravel_multi_index(tuple(index[used].T), grid.face_shape(axis))
+        found.append(ClosedFaces(face.astype(np.int64), np.ascontiguousarray(place[used])))
+    return found
+
+
+def _beside(grid: Grid, open_cells: FloatArray, axis: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Faces of an axis with an open cell on one side at least, and those that a particle in some open cell sees."""
+    beside = near = open_cells > 0.0
+    for a, periodic in enumerate(grid.periodic):
+        margin = [(int(b == a),) * 2 for b in range(grid.dimension)]
+        wide, own = (np.moveaxis(np.pad(f, margin, "wrap" if periodic else "edge"), a, 0) for f in (near, beside))
+        if a == axis:
+            near, beside = (np.moveaxis(f[:-1] | f[1:], 0, a) for f in (wide, own))
+        else:
+            near = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, a)
+    return beside, near
 
 
 def _edges(area: shapely.Geometry) -> FloatArray:

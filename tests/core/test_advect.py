@@ -14,6 +14,7 @@ from clouds import grids, linear_faces, numbered, random_faces, randoms, scatter
 from houle import _core
 from houle.geometry import Box, Polygon, Union, signed_distance
 from houle.grid import Grid
+from houle.porous import Medium
 from houle.solids import Outline
 
 NO_GATES = np.zeros((0, 2))
@@ -219,3 +220,50 @@ def test_a_solid_may_fill_the_tank():
     _core.leave_solids(grid.core, Outline.of(grid, [Box((0.0, 0.0), (0.4, 0.4))]), x)
     assert np.all((x > 0) & (x < 0.4))
     assert Outline.of(grid, []) is None and Outline.of(grid, [Box((0.5, 0.0), (0.6, 0.4))]) is None
+
+
+# ---- the velocity that particles beside a solid interpolate ----------------------------------------------------------
+
+
+def stopped(medium, u):
+    u = [v.copy() for v in u]
+    _core.stop_at_solids(medium.grid.core, medium.closed_faces, u)
+    return u
+
+
+@settings(max_examples=20, deadline=None)
+@given(randoms, st.sampled_from(sorted(SOLIDS)), st.sampled_from([(2, False), (2, True), (3, False)]))
+def test_velocity_at_solids_against_the_twin(random, kind, form):
+    d, periodic = form[0], form[1] and kind != "boxes in a corner"
+    grid = Grid((12, 12, 12)[:d], (0.1,) * d, (periodic,) + (False,) * (d - 1))
+    medium = Medium.build(grid, solids=SOLIDS[kind](d))
+    u = random_faces(grid, random)
+    expected = reference.stop_at_solids(grid, medium.closed_faces, u)
+    for found, twin in zip(stopped(medium, u), expected, strict=True):
+        np.testing.assert_allclose(found, twin, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("face", [0.4, 0.43, 0.479])
+def test_no_flow_through_an_upright_face_wherever_it_stands(face):
+    """Water that runs at a wall as at a stagnation point is left as it is; other water is stopped, and only across."""
+    grid = Grid((10, 10), (0.1, 0.1), (False, False))
+    medium = Medium.build(grid, solids=[Box((0.0, 0.0), (face, 1.0))])
+    stagnation = linear_faces(grid, np.array([face, -0.5]), np.array([[-1.0, 0.0], [0.0, 1.0]]))
+    for before, after in zip(stagnation, stopped(medium, stagnation), strict=True):
+        np.testing.assert_allclose(after[:, 1:-1], before[:, 1:-1], atol=1e-9)
+    uniform = linear_faces(grid, np.array([-2.0, 1.0]), np.zeros((2, 2)))
+    across, along = stopped(medium, uniform)
+    closed = round(np.floor(face / 0.1 + 1e-9))
+    assert np.all(across[closed, 1:-1] == pytest.approx(2.0 * (face - 0.1 * closed) / 0.1))
+    assert np.all(across[closed + 1 :, 1:-1] == uniform[0][closed + 1 :, 1:-1])
+    assert np.array_equal(along, uniform[1])
+
+
+def test_water_slides_along_a_slope_as_before():
+    grid = Grid((12, 12), (0.1, 0.1), (False, False))
+    medium = Medium.build(grid, solids=[Polygon(shapely.Polygon([(0.0, 0.0), (1.2, 0.0), (1.2, 0.9)]), 2)])
+    along = linear_faces(grid, np.array([0.8, 0.6]), np.zeros((2, 2)))
+    inner = (slice(2, -2), slice(2, -2))
+    for before, after in zip(along, stopped(medium, along), strict=True):
+        np.testing.assert_allclose(after[inner], before[inner], atol=1e-9)
+    assert sum(len(faces.face) for faces in medium.closed_faces) > 20
