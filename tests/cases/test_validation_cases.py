@@ -118,7 +118,7 @@ def test_order_of_the_dam_break_is_that_of_water_which_comes_to_its_place_with_t
         runs[name] = SimpleNamespace(fields=fields)
     found = {c.name: c for c in comparison("dam-break-rock-35").across(runs)}
     orders = [c.value for name, c in found.items() if name.startswith("order")]
-    assert len(orders) == 4 and orders == pytest.approx([2.0] * 4, abs=0.05)
+    assert len(orders) == 5 and orders == pytest.approx([2.0] * 5, abs=0.05)
     assert found["order of convergence, water depth"].kind == "min"
     del runs["dx-2.5-mm"]
     assert comparison("dam-break-rock-35").across(runs) == []
