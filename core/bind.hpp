@@ -50,10 +50,10 @@ inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const cha
   return {field->first.data(), field->second.data()};
 }
 
-template <int D>
-inline Faces<D> faces_of(const Grid<D>& g, std::vector<Array<double>>& arrays, const char* name) {
+template <int D, class Real>
+inline Faces<D, Real> faces_of(const Grid<D>& g, std::vector<Array<Real>>& arrays, const char* name) {
   if (arrays.size() != D) throw std::invalid_argument(std::string(name) + " needs one array per axis");
-  Faces<D> f;
+  Faces<D, Real> f;
   for (int a = 0; a < D; ++a) {
     if (static_cast<index>(arrays[a].size()) != g.faces(a))
       throw std::invalid_argument(std::string(name) + " does not fit the faces of axis " + std::to_string(a));

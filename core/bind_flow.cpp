@@ -10,10 +10,11 @@ namespace houle {
 
 using Mask = Array<std::uint8_t>;
 using FaceFields = std::vector<Field>;  // empty: null
+using FloatFaceFields = std::vector<Array<float>>;
 
-template <int D>
-static ConstFaces<D> optional_faces(const Grid<D>& g, FaceFields& f, const char* name) {
-  return f.empty() ? ConstFaces<D>() : ConstFaces<D>(faces_of(g, f, name));
+template <int D, class Real>
+static ConstFaces<D, Real> optional_faces(const Grid<D>& g, std::vector<Array<Real>>& f, const char* name) {
+  return f.empty() ? ConstFaces<D, Real>() : ConstFaces<D, Real>(faces_of(g, f, name));
 }
 
 template <int D>
@@ -40,9 +41,9 @@ static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const 
                                    const OptionalListed& inverse_n2) {
   Resistance<D> r;
   if (!table) return r;
-  if (number.size() != D) throw std::invalid_argument("number needs one array per axis");
-  for (int a = 0; a < D; ++a) {
-    require_size(number[a].size(), g.faces(a), "number");
+  if (!number.empty() && number.size() != D) throw std::invalid_argument("number needs one array per axis");
+  for (std::size_t a = 0; a < number.size(); ++a) {
+    require_size(number[a].size(), g.faces(static_cast<int>(a)), "number");
     r.number[a] = number[a].data();
   }
   r.table = materials_of(*table);
@@ -146,8 +147,8 @@ static void bind(nb::module_& m) {
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto ex = optional_faces(g, extra, "extra");
         const auto s = faces_of(g, star, "star");
-        const auto d = drag.empty() ? Faces<D>() : faces_of(g, drag, "drag"),
-                   b = mobility.empty() && !table ? Faces<D>() : faces_of(g, mobility, "mobility");
+        const auto d = drag.empty() ? Faces<D>() : faces_of(g, drag, "drag");
+        const auto b = mobility.empty() && !table ? Faces<D>() : faces_of(g, mobility, "mobility");
         nb::gil_scoped_release release;
         apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b);
       },
@@ -158,7 +159,8 @@ static void bind(nb::module_& m) {
       [](G g, FaceNumbers number, Field table, FaceFields rate, FaceFields mass, FaceFields mobility, FaceFields before,
          FaceFields after) {
         const auto r = resistance_of<D>(g, number, table, rate, std::nullopt);
-        const auto mm = ConstFaces<D>(faces_of(g, mass, "mass")), mo = ConstFaces<D>(faces_of(g, mobility, "mobility"));
+        const auto mm = ConstFaces<D>(faces_of(g, mass, "mass"));
+        const auto mo = ConstFaces<D>(faces_of(g, mobility, "mobility"));
         const auto b = ConstFaces<D>(faces_of(g, before, "before")), e = ConstFaces<D>(faces_of(g, after, "after"));
         nb::gil_scoped_release release;
         return drag_work<D>(g, r, mm, mo, b, e);
@@ -167,14 +169,15 @@ static void bind(nb::module_& m) {
       "Energy the drag took in a step, per unit density.");
   m.def(
       "pressure_system",
-      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, double step, FaceFields star,
+      [](G g, Mask active, Field depth, FloatFaceFields open, FaceFields mobility, double step, FaceFields star,
          double least, FaceFields k, Field e, Field rhs) {
         require_cells(g, active.size(), "active");
         require_cells(g, depth.size(), "depth");
         require_cells(g, e.size(), "e");
         require_cells(g, rhs.size(), "rhs");
-        const auto o = ConstFaces<D>(faces_of(g, open, "open"));
-        const auto mo = optional_faces(g, mobility, "mobility"), st = optional_faces(g, star, "star");
+        const auto o = ConstFaces<D, float>(faces_of(g, open, "open"));
+        const auto mo = optional_faces(g, mobility, "mobility");
+        const auto st = optional_faces(g, star, "star");
         const auto kk = faces_of(g, k, "k");
         nb::gil_scoped_release release;
         pressure_system<D>(g, active.data(), depth.data(), o, mo, step, st, least, kk, e.data(), rhs.data());
@@ -183,12 +186,12 @@ static void bind(nb::module_& m) {
       "Coefficients and right-hand side of the pressure system at the sub-cell surface.");
   m.def(
       "project",
-      [](G g, Mask active, Field depth, FaceFields open, FaceFields mobility, double step, Field p, double least,
+      [](G g, Mask active, Field depth, FloatFaceFields open, FaceFields mobility, double step, Field p, double least,
          FaceFields u, std::vector<Mask> valid) {
         require_cells(g, active.size(), "active");
         require_cells(g, depth.size(), "depth");
         require_cells(g, p.size(), "pressure");
-        const auto o = ConstFaces<D>(faces_of(g, open, "open"));
+        const auto o = ConstFaces<D, float>(faces_of(g, open, "open"));
         const auto mo = optional_faces(g, mobility, "mobility");
         const auto uu = faces_of(g, u, "velocity");
         const auto v = masks_of(g, valid);
@@ -199,9 +202,10 @@ static void bind(nb::module_& m) {
       "Takes the pressure gradient off the faces of the water, in place.");
   m.def(
       "max_divergence",
-      [](G g, Mask active, FaceFields open, FaceFields u) {
+      [](G g, Mask active, FloatFaceFields open, FaceFields u) {
         require_cells(g, active.size(), "active");
-        const auto o = ConstFaces<D>(faces_of(g, open, "open")), uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        const auto o = ConstFaces<D, float>(faces_of(g, open, "open"));
+        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         nb::gil_scoped_release release;
         return max_divergence<D>(g, active.data(), o, uu);
       },

@@ -17,7 +17,7 @@ struct Material {
 // The porous medium as the faces see it.
 template <int D>
 struct Resistance {
-  std::array<const std::int32_t*, D> number{};  // of the material of each face
+  std::array<const std::int32_t*, D> number{};  // of the material of each face, null: 0
   const Material* table = nullptr;              // null: clear water everywhere
   ConstFaces<D> rate;                           // further linear resistance of the faces [1/s], null: none
   Listed inverse_n2;                            // cells <1/n^2>, null: 1
@@ -123,7 +123,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
       const auto v = row.velocity(ua[f], kl, kh);
       double speed2 = 0.0;
       for (int b = 0; b < D; ++b) speed2 += v[b] * v[b];
-      const Material m = table[number[f]];
+      const Material m = table[number ? number[f] : 0];
       const double c = 1.0 / m.inertia, A = m.darcy + (rate ? rate[f] : 0.0);
       double R = A, J = A;
       if (speed2 > 0.0) {
@@ -186,7 +186,7 @@ inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFace
       double sum = 0.0;
       for (index k = 0; k < line; ++k) {
         const index f = r * line + k;
-        const Material material = table[number[f]];
+        const Material material = table[number ? number[f] : 0];
         double taken = material.darcy + (rate ? rate[f] : 0.0);
         if (material.forchheimer > 0.0) {
           const index kl = a == up ? inside(k - 1, nz, g.periodic[up]) : k,
@@ -210,11 +210,12 @@ inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFace
 // it is `step` everywhere; where star is null there is no right-hand side (the position correction). least: depth of an
 // active centre that counts.
 template <int D>
-inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
-                            ConstFaces<D> mobility, double step, ConstFaces<D> star, double least, Faces<D> k,
-                            double* e, double* rhs) {
+inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth,
+                            ConstFaces<D, float> open, ConstFaces<D> mobility, double step, ConstFaces<D> star,
+                            double least, Faces<D> k, double* e, double* rhs) {
   for (int a = 0; a < D; ++a) {
-    const double *o = open[a], *mo = mobility[a];
+    const float* o = open[a];
+    const double* mo = mobility[a];
     double* ka = k[a];
     const double h2 = 1.0 / (g.h[a] * g.h[a]);
     parallel_for_grid(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : step) * h2; });
@@ -267,13 +268,14 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
 // star. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else 0. mobility null:
 // `step`.
 template <int D>
-inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D> open,
+inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D, float> open,
                     ConstFaces<D> mobility, double step, const double* p, double least, Faces<D> u,
                     const std::array<std::uint8_t*, D>& valid) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   for (int a = 0; a < D; ++a) {
-    const double *o = open[a], *mo = mobility[a];
+    const float* o = open[a];
+    const double* mo = mobility[a];
     double* ua = u[a];
     std::uint8_t* known = valid[a];
     const double h = g.h[a];
@@ -332,7 +334,7 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
 
 // max |div u| over the active cells [1/s]
 template <int D>
-inline double max_divergence(const Grid<D>& g, const std::uint8_t* active, ConstFaces<D> open, ConstFaces<D> u) {
+inline double max_divergence(const Grid<D>& g, const std::uint8_t* active, ConstFaces<D, float> open, ConstFaces<D> u) {
   return parallel_max(g.cells(), [=](index c) {
     if (!active[c]) return 0.0;
     const auto i = Grid<D>::unflat(c, g.shape);

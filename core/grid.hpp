@@ -73,20 +73,20 @@ inline index inside(index i, index n, bool periodic) {
   return i;
 }
 
-template <int D>
+template <int D, class Real = double>
 struct Faces {  // the D face fields of one quantity
-  std::array<double*, D> data{};
-  double* operator[](int a) const { return data[a]; }
+  std::array<Real*, D> data{};
+  Real* operator[](int a) const { return data[a]; }
 };
 
-template <int D>
+template <int D, class Real = double>
 struct ConstFaces {
-  std::array<const double*, D> data{};
+  std::array<const Real*, D> data{};
   ConstFaces() = default;
-  ConstFaces(const Faces<D>& f) {
+  ConstFaces(const Faces<D, Real>& f) {
     for (int a = 0; a < D; ++a) data[a] = f[a];
   }
-  const double* operator[](int a) const { return data[a]; }
+  const Real* operator[](int a) const { return data[a]; }
 };
 
 // A property of the cells with few different values: each cell has the number of its own. Null: there is none.

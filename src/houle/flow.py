@@ -73,7 +73,7 @@ class Flow:
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
         self.nu = g.cells() if smagorinsky > 0.0 else None  # kinematic viscosity with the eddies' [m2/s]
         self.pressure = g.cells()  # p / rho [m2/s2]
-        self.psi = g.cells()  # potential of the position correction [m2]
+        self.psi = np.zeros(g.shape, np.float32)  # first guess of the potential of the position correction [m2]
         self.extra: Faces = []  # further accelerations on the faces [m/s2], for the next forces; empty: none
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
@@ -191,9 +191,9 @@ class Flow:
 
     def grid_kinetic_energy(self) -> float:
         m = self.medium
-        parts = zip(self.work.face_mass, m.material, self.velocity, strict=True)
-        each = ((mass, number if self.porous else None, m.materials, u) for mass, number, u in parts)
-        return sum(_core.face_kinetic_energy(*part) for part in each)
+        numbers = m.material or (None,) * self.grid.dimension
+        parts = zip(self.work.face_mass, numbers, self.velocity, strict=True)
+        return sum(_core.face_kinetic_energy(mass, number, m.materials, u) for mass, number, u in parts)
 
     def potential_energy(self) -> float:
         d = self.grid.dimension

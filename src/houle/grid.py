@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from houle import _core
 
 FloatArray = NDArray[np.float64]
+SingleFaces = list[NDArray[np.float32]]
 Faces = list[FloatArray]  # one array per axis, entry i of axis a on the face at i h_a
 
 

@@ -205,7 +205,7 @@ def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
         ledger.sponge_work += _core.drag_work(core, m.material, without, flow.damping, *change)
     for axis, where in flow.pushed.items():
         weight, f, u0, u1 = (field[axis][where] for field in (mass, flow.push, flow.old_velocity, flow.velocity))
-        inertia = m.materials[m.material[axis][where], 0]
+        inertia = m.materials[m.material[axis][where], 0] if m.material else 1.0
         share = inertia * flow.mobility[axis][where] if flow.resists else dt
         ledger.source_work += float(np.sum(weight * share * f * (u0 + u1))) / 2
     for plane in flow.driven:
@@ -275,13 +275,16 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
             work.rhs[paddle.column] *= paddle.share
         largest = float(max(work.rhs.max(), -work.rhs.min()))
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)
-    iterations = work.solver.solve(work.rhs, flow.psi, max(1e-2 * largest, 1e-9), 50)[0]
+    potential = work.potential
+    potential[...] = flow.psi
+    iterations = work.solver.solve(work.rhs, potential, max(1e-2 * largest, 1e-9), 50)[0]
+    flow.psi[...] = potential
     ledger.note(correction_iterations=iterations)
     displacement = work.coefficient
     for f in displacement:
         f[...] = 0.0
     _core.project(
-        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, flow.psi, LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, potential, LEAST_DEPTH_CORRECTION,
         displacement, work.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)

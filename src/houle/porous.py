@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
-from houle.grid import Faces, FloatArray, Grid
+from houle.grid import Faces, FloatArray, Grid, SingleFaces
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
 
@@ -54,8 +54,9 @@ class Medium:
         inverse_n2        <1 / n^2>
         inertia           mean of <C_r / n> of the faces around the cell
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
-                          cell beside it is closed
-    material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water
+                          cell beside it is closed; in single precision
+    material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
+                          empty without bodies: 0
     materials      (K, 3) <C_r / n>, <a> [1/s] and <b> [1/m] over the one-cell box around a face (its inner half at a
                           wall)
     body           int8   (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
@@ -69,7 +70,7 @@ class Medium:
     solids: tuple[Shape, ...]
     kind: NDArray[np.int32]
     kinds: dict[str, FloatArray]
-    open_faces: Faces
+    open_faces: SingleFaces
     material: list[NDArray[np.int32]]
     materials: FloatArray
     body: NDArray[np.int8]
@@ -92,7 +93,7 @@ class Medium:
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
-        inertia = _around_cells([materials[number, 0] for number in material])
+        inertia = _around_cells([materials[number, 0] for number in material]) if bodies else np.ones(grid.shape)
         names = ("porosity", "particle_porosity", "open_cells", "inverse_n2", "inertia")
         kind, kinds = _listed([porosity, particle_porosity, open_cells, inverse_n2, inertia])
         open_faces = _open_faces(grid, open_cells, [(span, area) for span, area, _ in parts])
@@ -134,6 +135,8 @@ class Medium:
 
     def on_faces(self, column: int) -> Faces:
         """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
+        if not self.material:
+            return self.grid.faces(self.materials[0, column])
         return [self.materials[number, column] for number in self.material]
 
 
@@ -179,7 +182,7 @@ def _list_materials(
 ) -> tuple[list[NDArray[np.int32]], FloatArray]:
     """`Medium.material` and `Medium.materials`."""
     if not bodies:
-        return [np.zeros(grid.face_shape(a), np.int32) for a in range(grid.dimension)], np.array([[1.0, 0.0, 0.0]])
+        return [], np.array([[1.0, 0.0, 0.0]])
     values = [
         ([b.inertia / b.porosity for b in bodies], 1.0),
         ([b.a for b in bodies], 0.0),
@@ -210,7 +213,7 @@ def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray
     return np.repeat(number.ravel().astype(np.int32), runs).reshape(fields[0].shape), table
 
 
-def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span, shapely.Geometry]]) -> Faces:
+def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span, shapely.Geometry]]) -> SingleFaces:
     """1 - covered fraction; 0 where that is tiny, or beside a closed cell."""
     faces = [1.0 - covered for covered in covered_faces(grid, solids)]
     for axis, face in enumerate(faces):
@@ -221,7 +224,7 @@ def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span,
         if grid.periodic[axis]:  # the first and the last face are the same
             first = np.minimum(face.take([0], axis), face.take([-1], axis))
             np.moveaxis(face, axis, 0)[[0, -1]] = np.moveaxis(first, axis, 0)
-    return faces
+    return [face.astype(np.float32) for face in faces]
 
 
 def _extend(values: FloatArray, open_cells: FloatArray, periodic: Sequence[bool]) -> FloatArray:

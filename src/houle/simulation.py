@@ -131,7 +131,7 @@ class Simulation:
         """Those of the case; the left one belongs to the wave that a relaxation zone makes."""
         case, sides = self.case, []
         for table in case.open:
-            faces = self.medium.open_faces[0]
+            faces = self.medium.open_faces[0].astype(float)
             side = OpenSide.of(table, case.folder, self.flow.grid, faces, case.fluid.gravity, self.particles)
             if case.waves is not None and case.waves.zone is not None and not side.far:
                 side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()

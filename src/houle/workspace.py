@@ -73,6 +73,11 @@ class Workspace:
         return self._system[-2]
 
     @property
+    def potential(self) -> FloatArray:
+        """Of the position correction, in the place of `dirichlet`, which the solver has then copied."""
+        return self._system[-2]
+
+    @property
     def rhs(self) -> FloatArray:
         """Of a pressure system."""
         return self._system[-1]

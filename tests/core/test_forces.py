@@ -171,6 +171,10 @@ def test_all_that_changes_the_velocity_is_accounted_for():
 # ---- projection ------------------------------------------------------------------------------------------------------
 
 
+def all_open(grid):
+    return [np.ones(grid.face_shape(a), np.float32) for a in range(grid.dimension)]
+
+
 class Domain:
     """A random body of water with air, shut and cut faces, and a mobility that jumps."""
 
@@ -178,7 +182,7 @@ class Domain:
         self.grid = grid
         self.depth = random.uniform(-1.0, 1.0, grid.shape) + 2 * (water - 0.5)
         self.active = (self.depth >= 0).astype(np.uint8)
-        self.open = random_faces(grid, random, 0.01, 1.0)
+        self.open = [o.astype(np.float32) for o in random_faces(grid, random, 0.01, 1.0)]
         self.mobility, self.step = random_faces(grid, random, 0.001, 0.01), 0.0
         self.star = random_faces(grid, random)
         for a, o in enumerate(self.open):
@@ -258,7 +262,7 @@ def test_still_water_feels_its_depth(theta, gravity):
     dt = 0.01
     star, _, mobility = forces(grid, grid.faces(), CLEAR, (0.0, -gravity), dt)
     k, e, rhs, p = grid.faces(), grid.cells(), grid.cells(), grid.cells()
-    open_faces = grid.faces(1.0)
+    open_faces = all_open(grid)
     _core.pressure_system(grid.core, active, depth, open_faces, mobility, 0.0, star, LEAST, k, e, rhs)
     solver = _core.PressureSolver2(grid.core)
     solver.setup(active, k, e)
@@ -282,7 +286,7 @@ def test_bernoulli_jump_of_the_pressure_at_porous_faces(n, q):
     dt = 1e-7  # the force at the instant
     medium = (inertia, grid.faces(), grid.faces(), inverse_n2)
     star, _, mobility = forces(grid, u, medium, (0.0, 0.0), dt)
-    active, open_faces = np.ones(grid.shape, np.uint8), grid.faces(1.0)
+    active, open_faces = np.ones(grid.shape, np.uint8), all_open(grid)
     k, e, rhs, p = grid.faces(), grid.cells(), grid.cells(), grid.cells()
     _core.pressure_system(grid.core, active, grid.cells(1.0), open_faces, mobility, 0.0, star, LEAST, k, e, rhs)
     solver = _core.PressureSolver2(grid.core)
