@@ -21,7 +21,7 @@ MARGIN = 12  # rows above what the case places, when the run starts
 GROWTH = 1.2  # of the number of rows, when there are too few
 PROGRAM = 6e7  # bytes of memory: Python, its libraries
 PER_PARTICLE = 68  # bytes, measured as `houle bench --large` does
-PER_CELL = {2: 360, 3: 430}  # bytes of a cell in the rows that are kept, by dimension
+PER_CELL = {2: 255, 3: 390}  # bytes of a cell in the rows that are kept, by dimension
 
 
 def first_rows(case: Case) -> int:

@@ -18,7 +18,7 @@ from shapely.geometry.polygon import orient
 
 from houle import _core
 from houle.geometry import Shape, layers, polygons, section
-from houle.grid import Faces, FloatArray, Grid
+from houle.grid import FloatArray, Grid, SingleFaces
 from houle.moments import section_moments
 
 ON_OUTLINE = 1e-6  # [spacings] a face nearer to the outline lies on it
@@ -69,7 +69,7 @@ class ClosedFaces(NamedTuple):
     place: FloatArray
 
 
-def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_faces: Faces) -> list[ClosedFaces]:
+def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_faces: SingleFaces) -> list[ClosedFaces]:
     """Those of every axis; where the centre lies on the outline the normal is the axis, if water is beside the face."""
     d, spacing, found = grid.dimension, min(grid.spacing), []
     for axis in range(d):
