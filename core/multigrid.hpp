@@ -18,35 +18,23 @@ template <int D, class Real>
 struct Level {
   Layout<D> layout;
   std::array<Field<Real>, D> k;  // of the lower face of each cell along each axis
-  Field<Real> d, inverse;        // d = e + sum of k; inverse = 1 / d, zero outside the active cells
+  Field<Real> inverse;           // 1 / (e + sum of k), zero outside the active cells
   Field<Real> x, b, r;
 
   Field<Real>& e() { return r; }  // wanted until the level is coarsened; residuals come after that
 
   Level(const std::array<index, D>& shape, const std::array<bool, D>& periodic) : layout(shape, periodic) {
     for (auto& f : k) f.allocate(layout.size);
-    for (auto* f : {&d, &inverse, &x, &b, &r}) f->allocate(layout.size);
+    for (auto* f : {&inverse, &x, &b, &r}) f->allocate(layout.size);
   }
 
   void clear(const Pencil& now, index p) {
     if (layout.shrinks(now, p)) {
       for (auto& f : k) layout.clear(f, now, p);
-      for (auto* f : {&d, &inverse, &x, &b, &r}) layout.clear(*f, now, p);
+      for (auto* f : {&inverse, &x, &b, &r}) layout.clear(*f, now, p);
     }
     layout.old_begin[p] = now.begin;
     layout.old_end[p] = now.end;
-  }
-
-  void invert() {
-    auto* self = this;
-    for_rows(layout, [=](const Pencil& row) {
-      for (int c = 0; c < 2; ++c) {
-        const Real* d = self->d.c[c] + row.at;
-        Real* inverse = self->inverse.c[c] + row.at;
-        HOULE_INDEPENDENT
-        for (index m = row.lo; m < row.hi; ++m) inverse[m] = d[m] > 0 ? 1 / d[m] : 0;
-      }
-    });
   }
 };
 
@@ -54,7 +42,7 @@ struct Level {
 template <int D, class Real>
 struct Sweeps {
   std::array<Star<D, Real>, 2> star;
-  std::array<const Real*, 2> b, d, inverse;
+  std::array<const Real*, 2> b, inverse;
   std::array<Real*, 2> x, r;
   bool odd;
 
@@ -62,7 +50,6 @@ struct Sweeps {
       : star{Star<D, Real>(l.layout, l.k, l.x, 0), Star<D, Real>(l.layout, l.k, l.x, 1)}, odd(l.layout.odd) {
     for (int c = 0; c < 2; ++c) {
       b[c] = l.b.c[c];
-      d[c] = l.d.c[c];
       inverse[c] = l.inverse.c[c];
       x[c] = l.x.c[c];
       r[c] = l.r.c[c];
@@ -93,11 +80,11 @@ struct Sweeps {
 
   void residual(const Pencil* begin, const Pencil* end, int colour) const {
     const Star<D, Real> star = this->star[colour];
-    const Real *d = this->d[colour], *b = this->b[colour], *x = this->x[colour];
+    const Real *inverse = this->inverse[colour], *b = this->b[colour], *x = this->x[colour];
     Real* r = this->r[colour];
     auto entries = [=](auto s, index first, index n) {
       HOULE_INDEPENDENT
-      for (index i = first; i < first + n; ++i) r[i] = d[i] > 0 ? b[i] + star(s, i) - d[i] * x[i] : 0;
+      for (index i = first; i < first + n; ++i) r[i] = inverse[i] > 0 ? b[i] + star(s, i) - x[i] / inverse[i] : 0;
     };
     for (const Pencil* row = begin; row < end; ++row) with_entries(*row, colour, entries);
   }
@@ -202,17 +189,16 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
         k[2 * a + 1] = level->k[a].c[1 - colour] + row.at + up;
       }
       const Real* e = level->e().c[colour] + row.at;
-      Real* d = level->d.c[colour] + row.at;
+      Real* inverse = level->inverse.c[colour] + row.at;
       const index end = std::min<index>(row.end, (level->layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
       HOULE_INDEPENDENT
       for (index m = row.begin; m < end; ++m) {
         Real sum = e[m];
         for (int i = 0; i < 2 * D; ++i) sum += k[i][m];
-        d[m] = sum;
+        inverse[m] = sum > 0 ? 1 / sum : 0;
       }
     }
   });
-  coarse.invert();
 }
 
 // coarse.b = sums of the residuals of fine, one colour of it; the other is added if there is one.

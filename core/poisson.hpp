@@ -183,7 +183,7 @@ class PressureSolver {
       }
       double* d = d_.c[c] ? d_.c[c] + row.at : nullptr;
       double* inverse = inverse_.c[c] ? inverse_.c[c] + row.at : nullptr;
-      Real *df = level.d.c[c] + row.at, *ef = level.e().c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
+      Real *ef = level.e().c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
       HOULE_INDEPENDENT
       for (index m = row.begin; m < end; ++m) {
         const index j = 2 * m + s;
@@ -199,7 +199,6 @@ class PressureSolver {
           kf[a][m] = static_cast<Real>(v);
           sum += v + w;
         }
-        df[m] = static_cast<Real>(sum);
         const double one_over = sum > 0 ? 1 / sum : 0.0;
         if (d) d[m] = sum;
         if (inverse) inverse[m] = one_over;
@@ -230,13 +229,13 @@ class PressureSolver {
           for (index s = 0; s < 2; ++s) {
             const int c = (row.parity + static_cast<int>(s)) & 1;
             const index end = std::min<index>(row.end, (n - s + 1) / 2);
-            const Real* d = self->levels_[0].d.c[c] + row.at;
+            const Real* inverse = self->levels_[0].inverse.c[c] + row.at;
             double* x = field->c[c] + row.at;
             const double* source = from + p * n + s;
             HOULE_INDEPENDENT
             for (index m = row.begin; m < end; ++m) {
               const double value = source[2 * m];
-              x[m] = d[m] > 0 ? value : 0.0;
+              x[m] = inverse[m] > 0 ? value : 0.0;
             }
           }
         },
