@@ -82,7 +82,7 @@ inline void require_columns(const Grid<D>& g, std::size_t size, const char* name
 
 // Where the particles of each cell begin, as cell_sort leaves it.
 template <int D>
-inline void require_start(const Grid<D>& g, const Array<std::int64_t>& start, index particles) {
+inline void require_start(const Grid<D>& g, const Array<std::int32_t>& start, index particles) {
   require_size(start.size(), g.cells() + 1, "start");
   if (start.data()[g.cells()] != particles) throw std::invalid_argument("start does not fit the particles");
 }

@@ -81,7 +81,7 @@ static void bind(nb::module_& m) {
   using G = const Grid<D>&;
   m.def(
       "column_heights",
-      [](G g, Array<std::int64_t> start, Field x, Field volume, Field height, OptionalField paddles) {
+      [](G g, Array<std::int32_t> start, Field x, Field volume, Field height, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         require_size(volume.size(), n, "volume");
         require_start(g, start, n);

@@ -26,7 +26,7 @@ static Walls<D> walls_of(const std::vector<std::string>& names) {  // lower and 
 
 template <int D>
 static Neighbours<D> neighbours(const Grid<D>& g, const Walls<D>& walls, const Array<double>& x,
-                                const Array<std::int64_t>& start) {
+                                const Array<std::int32_t>& start) {
   const index n = points_of<D>(x, "position");
   require_start(g, start, n);
   return {g, walls, n, x.data(), start.data()};
@@ -38,7 +38,7 @@ static void bind(nb::module_& m) {
   m.def(
       "sph_density_sum",
       [](const Grid<D>& g, const Names& walls, const std::string& kernel, double radius, Array<double> x,
-         Array<std::int64_t> start, Array<double> bulk, Array<double> out) {
+         Array<std::int32_t> start, Array<double> bulk, Array<double> out) {
         const auto near = neighbours<D>(g, walls_of<D>(walls), x, start);
         require_size(bulk.size(), near.n, "bulk");
         require_size(out.size(), near.n, "out");
@@ -52,7 +52,7 @@ static void bind(nb::module_& m) {
   m.def(
       "sph_viscous_acceleration",
       [](const Grid<D>& g, const Names& walls, const std::string& kernel, double radius, Array<double> x,
-         Array<std::int64_t> start, Array<double> u, Array<double> bulk, Array<double> nu, Array<double> out) {
+         Array<std::int32_t> start, Array<double> u, Array<double> bulk, Array<double> nu, Array<double> out) {
         const auto near = neighbours<D>(g, walls_of<D>(walls), x, start);
         require_size(u.size(), near.n * D, "velocity");
         require_size(bulk.size(), near.n, "bulk");
@@ -67,7 +67,7 @@ static void bind(nb::module_& m) {
       "out"_a, "out (N, d): the viscous term of the paper's eq. (3).");
   m.def(
       "sph_velocity_gradient",
-      [](const Grid<D>& g, const std::string& kernel, double radius, Array<double> x, Array<std::int64_t> start,
+      [](const Grid<D>& g, const std::string& kernel, double radius, Array<double> x, Array<std::int32_t> start,
          Array<double> u, Array<double> bulk, Array<double> out) {
         const auto near = neighbours<D>(g, Walls<D>{}, x, start);
         require_size(u.size(), near.n * D, "velocity");

@@ -18,7 +18,7 @@ static void with_kernel(const std::string& name, F f) {
 
 template <int D>
 static Cloud<D> cloud_of(const Grid<D>& g, const Field& x, const OptionalField& side, const Field& mass,
-                         const Array<std::int64_t>& start) {
+                         const Array<std::int32_t>& start) {
   const index n = points_of<D>(x, "position");
   require_size(mass.size(), n, "mass");
   require_size(start.size(), g.cells() + 1, "start");
@@ -31,7 +31,7 @@ static void bind(nb::module_& m) {
   using G = const Grid<D>&;
   m.def(
       "cell_sort",
-      [](G g, Field x, Array<std::int32_t> cell, Array<std::int32_t> order, Array<std::int64_t> start) {
+      [](G g, Field x, Array<std::int32_t> cell, Array<std::int32_t> order, Array<std::int32_t> start) {
         const index n = points_of<D>(x, "position");
         require_size(cell.size(), n, "cell");
         require_size(order.size(), n, "order");
@@ -43,7 +43,7 @@ static void bind(nb::module_& m) {
       "Stable order of the particles by cell: order (N,), start (cells + 1,); cell (N,) is work space.");
   m.def(
       "scatter_cells",
-      [](G g, Array<std::int64_t> start, Field x, Field amount, Field out, OptionalField paddles) {
+      [](G g, Array<std::int32_t> start, Field x, Field amount, Field out, OptionalField paddles) {
         const index n = points_of<D>(x, "position");
         require_size(amount.size(), n, "amount");
         require_start(g, start, n);
@@ -78,7 +78,7 @@ static void bind(nb::module_& m) {
       "Bulk volume and inertia at the particles, linear from the cells.");
   m.def(
       "to_faces",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start, Field u,
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start, Field u,
          OptionalField affine, std::vector<Field> velocity, std::vector<Field> face_mass) {
         const auto cloud = cloud_of<D>(g, x, side, mass, start);
         require_size(u.size(), cloud.n * D, "velocity");
@@ -91,7 +91,7 @@ static void bind(nb::module_& m) {
       "face_mass"_a, "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
   m.def(
       "add_residual",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start, Field u,
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start, Field u,
          std::vector<Field> face_mass, std::vector<Field> velocity, std::vector<Field> work) {
         const auto cloud = cloud_of<D>(g, x, side, mass, start);
         require_size(u.size(), cloud.n * D, "velocity");
@@ -104,7 +104,7 @@ static void bind(nb::module_& m) {
       "work"_a, "One more term of the full-mass-matrix transfer FMPM(k).");
   m.def(
       "to_particles",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start,
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start,
          std::vector<Field> now, std::vector<Field> change, std::vector<Field> drag, double flip, Field u) {
         const auto cloud = cloud_of<D>(g, x, side, mass, start);
         require_size(u.size(), cloud.n * D, "velocity");
@@ -124,7 +124,7 @@ static void bind(nb::module_& m) {
       "u"_a, "Particle velocities from the faces: PIC (flip = 0) or a FLIP blend.");
   m.def(
       "affine_from",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int64_t> start,
+      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start,
          std::vector<Field> velocity, Field affine) {
         const auto cloud = cloud_of<D>(g, x, side, mass, start);
         require_size(affine.size(), cloud.n * D * D, "affine");
@@ -143,7 +143,7 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
       .def(nb::init<const Grid<D>&>(), "grid"_a)
       .def(
           "transfer",
-          [](Matrix& s, Field x, Field mass, Array<std::int64_t> start, Field u, int order, std::vector<Field> velocity,
+          [](Matrix& s, Field x, Field mass, Array<std::int32_t> start, Field u, int order, std::vector<Field> velocity,
              std::vector<Field> face_mass, std::vector<Field> work, Field lent) {
             const auto& g = s.grid();
             const auto cloud = cloud_of<D>(g, x, std::nullopt, mass, start);

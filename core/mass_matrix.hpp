@@ -72,13 +72,13 @@ class MassMatrix {
     return o;
   }
 
-  void find_tops(const std::int64_t* start) {
+  void find_tops(const std::int32_t* start) {
     const index nz = grid_.shape[up];
     std::int32_t* top = top_.data();
     parallel_for_grid(
         static_cast<index>(top_.size()),
         [=](index r) {
-          const std::int64_t* cell = start + r * nz;
+          const std::int32_t* cell = start + r * nz;
           index k = nz;
           while (k > 0 && cell[k] == cell[k - 1]) --k;
           top[r] = static_cast<std::int32_t>(k);

@@ -60,7 +60,7 @@ struct Neighbours {  // the sorted particles
   Walls<D> walls;
   index n = 0;
   const double* x = nullptr;            // (n, D)
-  const std::int64_t* start = nullptr;  // (cells + 1,)
+  const std::int32_t* start = nullptr;  // (cells + 1,)
 
   struct Image {               // how the particles of a cell are seen
     double sign[D], shift[D];  // position: sign x + shift
@@ -91,7 +91,7 @@ struct Neighbours {  // the sorted particles
         cell = cell * grid.shape[a] + at[a];
       }
       if (!seen) continue;
-      for (std::int64_t j = start[cell]; j < start[cell + 1]; ++j) {
+      for (std::int32_t j = start[cell]; j < start[cell + 1]; ++j) {
         double r[D], r2 = 0;
         for (int a = 0; a < D; ++a) {
           r[a] = image.sign[a] * x[j * D + a] + image.shift[a] - xi[a];

@@ -22,7 +22,7 @@ inline double depth_from_fill(double F) {
 // that the position correction keeps full, so that the count of particles in a column adds no noise. Paddles fold,
 // those between the faces mirror.
 template <int D>
-inline void column_heights(const Grid<D>& g, const std::int64_t* start, const double* x, const double* volume,
+inline void column_heights(const Grid<D>& g, const std::int32_t* start, const double* x, const double* volume,
                            const Paddles& paddles, double* height) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];

@@ -24,21 +24,21 @@ inline index cell_of(const Grid<D>& g, const double* x) {
 // particles are nearly sorted already.
 template <int D>
 inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
-                      std::int64_t* start) {
+                      std::int32_t* start) {
   constexpr index most = 16, enough = 4096;  // shares; particles in one
   const index cells = g.cells(), shares = std::clamp<index>(std::min<index>(get_threads(), n / enough), 1, most);
   parallel_for(n, [=](index p) { cell[p] = static_cast<std::int32_t>(cell_of<D>(g, x + D * p)); });
   std::array<index, most + 1> bound{};        // of the cells of each share
-  std::array<std::int64_t, most + 1> held{};  // particles in the shares before it
+  std::array<std::int32_t, most + 1> held{};  // particles in the shares before it
   for (index s = 1; s < shares; ++s) bound[s] = std::max<index>(bound[s - 1], cell[n * s / shares]);
   bound[shares] = cells;
-  std::int64_t* in_share = held.data() + 1;
+  std::int32_t* in_share = held.data() + 1;
   parallel_for(
       shares,
       [=](index s) {
         const index first = bound[s], end = bound[s + 1];
         std::fill(start + first, start + end, 0);
-        std::int64_t count = 0;
+        std::int32_t count = 0;
         for (index p = 0; p < n; ++p)
           if (cell[p] >= first && cell[p] < end) ++start[cell[p]], ++count;
         in_share[s] = count;
@@ -49,13 +49,13 @@ inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* 
       shares,
       [=](index s) {
         const index first = bound[s], end = bound[s + 1];
-        std::int64_t next = held[s];
+        std::int32_t next = held[s];
         for (index c = first; c < end; ++c) start[c] = next += start[c];  // end of the cell, until it is filled
         for (index p = n - 1; p >= 0; --p)                                // from its end
           if (cell[p] >= first && cell[p] < end) order[--start[cell[p]]] = static_cast<std::int32_t>(p);
       },
       1);
-  start[cells] = n;
+  start[cells] = static_cast<std::int32_t>(n);
   const index nx = g.shape[0], plane = cells / nx;
   for (int i = 1; i <= Team::places && n > 0; ++i)
     Team::shared().tell(i, static_cast<double>(start[nx * i / Team::places * plane]) / static_cast<double>(n));
@@ -86,7 +86,7 @@ inline void reorder(index n, index width, const std::int32_t* order, double* row
 
 // Runs slab(p_begin, p_end) over all particles, each slab of columns once, neighbours never at the same time.
 template <int D, class Slab>
-inline void each_slab(const Grid<D>& g, const std::int64_t* start, const Slab& slab) {
+inline void each_slab(const Grid<D>& g, const std::int32_t* start, const Slab& slab) {
   constexpr index columns = 8;  // at least twice the reach of the widest kernel
   const index nx = g.shape[0], plane = g.cells() / nx, slabs = std::max<index>(1, nx / columns);
   const auto first = [=](index s) { return start[(s == slabs ? nx : s * columns) * plane]; };
@@ -132,7 +132,7 @@ inline void each_image(const Grid<D>& g, const Paddles& paddles, const double* x
 // Sums over particles of weight * amount to cell centres with the tent kernel, walls folded: out (cells), overwritten.
 // What is near a wall between the faces counts for its image too, so that full water is full up to the wall.
 template <int D>
-inline void scatter_cells(const Grid<D>& g, const std::int64_t* start, const double* x, const double* amount,
+inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
                           const Paddles& paddles, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for_grid(g.cells(), [=](index c) { out[c] = 0.0; });
@@ -183,7 +183,7 @@ struct Cloud {
   const double* x;
   const double* side;
   const double* mass;
-  const std::int64_t* start;
+  const std::int32_t* start;
   double edge(index p) const { return side ? side[p] : 0.0; }
 };
 

@@ -39,7 +39,7 @@ def scattered(grid: Grid, random: np.random.Generator, count: int) -> FloatArray
 def in_order(grid: Grid, position: FloatArray) -> tuple[FloatArray, np.ndarray]:
     """The positions sorted by cell, and the start of each cell."""
     cell, order = np.zeros(len(position), np.int32), np.zeros(len(position), np.int32)
-    start = np.zeros(int(np.prod(grid.shape)) + 1, np.int64)
+    start = np.zeros(int(np.prod(grid.shape)) + 1, np.int32)
     _core.cell_sort(grid.core, position, cell, order, start)
     return np.ascontiguousarray(position[order]), start
 

@@ -92,7 +92,7 @@ class Flow:
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
         self.open_faces = medium.open_faces  # replaced by copies where gates close some
 
-        self.start = np.zeros(math.prod(g.shape) + 1, np.int64)
+        self.start = np.zeros(math.prod(g.shape) + 1, np.int32)
         self.work = Workspace(grid, len(particles))
         self.measure_capacity()
         self.resize_particles()

@@ -47,7 +47,7 @@ def longest_step(grid: Grid, viscosity: float, between_particles: bool) -> float
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Sums over neighbours with one kernel. Particles must be sorted by cell: cell_start (cells + 1,) int64, C order.
+    """Sums over neighbours with one kernel. Particles must be sorted by cell: cell_start (cells + 1,) int32, C order.
 
     walls: "slip" or "no-slip" for the lower and the upper side of each axis in turn (ignored on periodic axes).
     radius: of the kernel's support [m]. For particles on the lattice the sums fall short of the integrals: with 2 grid
@@ -60,7 +60,7 @@ class Smoothing:
     radius: float
     kernel: str = "wendland"
 
-    def density_sum(self, position: FloatArray, cell_start: NDArray[np.int64], bulk: FloatArray) -> FloatArray:
+    def density_sum(self, position: FloatArray, cell_start: NDArray[np.int32], bulk: FloatArray) -> FloatArray:
         """(N,) sum_j B_j W(x_i - x_j) [-]: the paper's eq. (14) over n rho.
 
         1 in full water, up to the walls; about 1/2 at a flat free surface.
@@ -70,7 +70,7 @@ class Smoothing:
         return out
 
     def velocity_gradient(
-        self, position: FloatArray, cell_start: NDArray[np.int64], velocity: FloatArray, bulk: FloatArray
+        self, position: FloatArray, cell_start: NDArray[np.int32], velocity: FloatArray, bulk: FloatArray
     ) -> FloatArray:
         """(N, d, d) du_a/dx_b [1/s], exact for linear fields, at the surface too; zero where neighbours are too few."""
         d = self.grid.dimension
@@ -81,7 +81,7 @@ class Smoothing:
     def eddy_viscosity(
         self,
         position: FloatArray,
-        cell_start: NDArray[np.int64],
+        cell_start: NDArray[np.int32],
         velocity: FloatArray,
         bulk: FloatArray,
         smagorinsky: float,
@@ -95,7 +95,7 @@ class Smoothing:
     def viscous_acceleration(
         self,
         position: FloatArray,
-        cell_start: NDArray[np.int64],
+        cell_start: NDArray[np.int32],
         velocity: FloatArray,
         bulk: FloatArray,
         viscosity: FloatArray | float,

@@ -35,7 +35,7 @@ SLOPES = {
 def water_of(grid, particles):
     """Sums with the tents of the cells (m^d)."""
     order, cell = np.zeros(len(particles), np.int32), np.zeros(len(particles), np.int32)
-    start, water = np.zeros(np.prod(grid.shape) + 1, np.int64), grid.cells()
+    start, water = np.zeros(np.prod(grid.shape) + 1, np.int32), grid.cells()
     _core.cell_sort(grid.core, particles.position, cell, order, start)
     _core.scatter_cells(grid.core, start, particles.position[order], particles.volume[order], water)
     return water

@@ -139,7 +139,7 @@ def test_cells_against_the_twin(grid, random):
 @given(grids(), randoms, st.integers(0, 200))
 def test_particles_are_sorted_by_cell_and_stay_in_order_within(grid, random, count):
     x = random.uniform(-0.2, 1.2, (count, grid.dimension)) * grid.size  # those outside count for the nearest cell
-    (cell, order), start = np.zeros((2, count), np.int32), np.zeros(np.prod(grid.shape) + 1, np.int64)
+    (cell, order), start = np.zeros((2, count), np.int32), np.zeros(np.prod(grid.shape) + 1, np.int32)
     _core.cell_sort(grid.core, x, cell, order, start)
     index = np.clip(np.floor(x / grid.spacing).astype(int), 0, np.array(grid.shape) - 1)
     number = np.ravel_multi_index(tuple(index.T), grid.shape)
@@ -154,7 +154,7 @@ def test_every_number_of_threads_sorts_alike(random, threads, nearly):
     x = random.uniform(0.0, 1.0, (20_000, 2)) * grid.size
     if nearly:
         x = in_order(grid, x)[0] + random.normal(0.0, 0.3, x.shape)
-    (cell, order), start = np.zeros((2, len(x)), np.int32), np.full(1201, 7)
+    (cell, order), start = np.zeros((2, len(x)), np.int32), np.full(1201, 7, np.int32)
     _core.set_threads(threads)
     _core.cell_sort(grid.core, x, cell, order, start)
     index = np.clip(np.floor(x).astype(int), 0, (39, 29))
