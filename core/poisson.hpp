@@ -67,7 +67,7 @@ class PressureSolver {
     components_.remove_means(x_);
     scale_ = 1;
     double norm = true_residual(), reached = norm, peak = norm;
-    scale_residual(1 / norm);
+    if (norm > tolerance) scale_residual(1 / norm);
     int iterations = 0;
     double rz = 0;
     while (!(norm <= tolerance) && std::isfinite(norm) && iterations < max_iterations) {

@@ -81,7 +81,7 @@ def bench(threads: int | None = None, large: bool = False) -> list[list[Measured
     found = []
     for job in JOBS + (LARGE if large else ()):
         fastest: dict[int, Measured] = {}
-        for count in (1, most) * TIMES:
+        for count in (*dict.fromkeys((1, most)),) * TIMES:
             with console.status(f"{job.title}: {count} thread{'s' if count > 1 else ''}"):
                 measured = measure_apart(job, count)
             fastest[count] = min(fastest.get(count, measured), measured, key=lambda m: m.wall)

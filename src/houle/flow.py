@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.columns import Capacity
@@ -138,6 +139,10 @@ class Flow:
         """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
         self.damping = rate
 
+    def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray] | None:
+        """One of the kinds of the medium as the core takes it; None in clear water, where it is one."""
+        return self.medium.listed(name) if self.porous else None
+
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
     def resize_particles(self) -> None:
@@ -209,7 +214,11 @@ class Flow:
 
     def courant(self, dt: float) -> float:
         """Cells that the fastest particle goes in dt [s]."""
-        return float(np.max(self.max_pore_speed() / self.grid.spacing)) * dt
+        return self.crossed(self.max_pore_speed()) * dt
+
+    def crossed(self, speed: FloatArray) -> float:
+        """Cells crossed in a second at this speed along each axis [m/s]."""
+        return float(np.max(speed / self.grid.spacing))
 
     def max_pore_speed(self) -> FloatArray:
         """Largest |u_d| / n of the particles along each axis [m/s]."""

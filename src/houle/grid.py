@@ -78,3 +78,9 @@ class Grid:
         """Positions (..., d) [m] of the cell centres, or of the faces of one axis."""
         lines = [self.axis_points(a, on_faces=a == axis) for a in range(self.dimension)]
         return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
+
+
+def widened(values: NDArray, axis: int, periodic: bool) -> NDArray:
+    """With one cell more on both sides of an axis, which is moved to the front: wrapped, or the last one again."""
+    margins = [(int(a == axis),) * 2 for a in range(values.ndim)]
+    return np.moveaxis(np.pad(values, margins, mode="wrap" if periodic else "edge"), axis, 0)

@@ -86,7 +86,10 @@ class Ledger:
         self.on_grid = False
 
     def close(self) -> None:
-        """At the end of a step: to move with the same u_d to another porosity is to change V/n and C_r/n."""
+        """At the end of a step: to move with the same u_d to another porosity is to change V/n and C_r/n.
+
+        Both sums anew, in the order of the sorted particles: those that a resumed run starts from, to the last bit.
+        """
         kinetic = self.kinetic
         self.open()
         self.energy["advection"] += self.kinetic - kinetic

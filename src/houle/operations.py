@@ -81,13 +81,13 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     """Viscous acceleration of the faces, with the eddy viscosity if there is one."""
     if not flow.viscous:
         return
-    core, m = flow.grid.core, flow.medium
+    core = flow.grid.core
     if flow.smagorinsky > 0.0:
         _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
     flow.extra = flow.old_velocity
     _core.viscous_acceleration(
         core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
-        m.listed("porosity") if flow.porous else None, flow.no_slip, flow.extra,
+        flow.listed("porosity"), flow.no_slip, flow.extra,
     )  # fmt: skip
     parts = zip(flow.work.face_mass, flow.velocity, flow.extra, strict=True)
     ledger.viscous_work -= dt * sum(_core.face_power(*part) for part in parts)
@@ -146,11 +146,8 @@ def drive(flow: Flow, dt: float) -> None:
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
-    resistance = (
-        (m.material, m.materials, flow.damping, m.listed("inverse_n2") if flow.porous else None)
-        if flow.resists
-        else ([], None, [], None)
-    )
+    resists = (m.material, m.materials, flow.damping, flow.listed("inverse_n2"))
+    resistance = resists if flow.resists else ([], None, [], None)
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt
     _core.apply_forces(
@@ -228,7 +225,7 @@ def move(flow: Flow, dt: float) -> None:
     p = flow.particles
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
-        flow.grid.core, flow.velocity, flow.medium.listed("particle_porosity") if flow.porous else None, *own,
+        flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
         flow.medium.outline, flow.gates, dt, p.position, flow.walls,
     )  # fmt: skip
 
@@ -252,24 +249,13 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
     if share == 0.0:
         return
     g, m, work = flow.grid, flow.medium, flow.work
-    porosity = m.listed("porosity") if flow.porous else None
     find_surface(flow)
     _core.pressure_system(
         g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
-    largest = _core.density_excess(
-        g.core,
-        flow.active,
-        flow.depth,
-        flow.column,
-        flow.eta,
-        flow.fill,
-        m.listed("open_cells"),
-        porosity,
-        share,
-        work.rhs,
-    )
+    surface = (flow.active, flow.depth, flow.column, flow.eta, flow.fill)
+    largest = _core.density_excess(g.core, *surface, m.listed("open_cells"), flow.listed("porosity"), share, work.rhs)
     if flow.paddles:
         for paddle in flow.paddles:
             work.rhs[paddle.column] *= paddle.share
@@ -288,6 +274,5 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
         displacement, work.valid,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
-    porosity = m.listed("particle_porosity") if flow.porous else None
-    obstacles = (m.outline, flow.gates)
-    _core.displace(g.core, displacement, porosity, *obstacles, MOST_SHIFT, flow.particles.position, flow.walls)
+    porosity, position = flow.listed("particle_porosity"), flow.particles.position
+    _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)

@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
-from houle.grid import Faces, FloatArray, Grid, SingleFaces
+from houle.grid import Faces, FloatArray, Grid, SingleFaces, widened
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
 
@@ -81,7 +81,8 @@ class Medium:
     def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
         """The medium of these bodies and solids; clear water where there are none."""
         parts = partition(grid, bodies, solids)
-        solid = Measure.of(grid, [(span, area) for span, area, _ in parts])
+        sections = [(span, area) for span, area, _ in parts]
+        solid = Measure.of(grid, sections)
         inside = [Measure.of(grid, [(span, areas[k]) for span, _, areas in parts]) for k in range(len(bodies))]
         porosities = [b.porosity for b in bodies]
 
@@ -96,7 +97,7 @@ class Medium:
         inertia = _around_cells([materials[number, 0] for number in material]) if bodies else np.ones(grid.shape)
         names = ("porosity", "particle_porosity", "open_cells", "inverse_n2", "inertia")
         kind, kinds = _listed([porosity, particle_porosity, open_cells, inverse_n2, inertia])
-        open_faces = _open_faces(grid, open_cells, [(span, area) for span, area, _ in parts])
+        open_faces = _open_faces(grid, open_cells, sections)
         outline = Outline.of(grid, solids)
         return cls(
             grid=grid,
@@ -217,8 +218,7 @@ def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span,
     """1 - covered fraction; 0 where that is tiny, or beside a closed cell."""
     faces = [1.0 - covered for covered in covered_faces(grid, solids)]
     for axis, face in enumerate(faces):
-        margins = [(int(a == axis),) * 2 for a in range(grid.dimension)]
-        wide = np.moveaxis(np.pad(open_cells, margins, mode="wrap" if grid.periodic[axis] else "edge"), axis, 0)
+        wide = widened(open_cells, axis, grid.periodic[axis])
         beside = np.moveaxis(np.minimum(wide[:-1], wide[1:]), 0, axis)
         face[(face < CLOSED) | (beside == 0)] = 0.0
         if grid.periodic[axis]:  # the first and the last face are the same
@@ -244,12 +244,6 @@ def _extend(values: FloatArray, open_cells: FloatArray, periodic: Sequence[bool]
     return np.where((open_cells == 0) & (weight > 0), total / np.where(weight > 0, weight, 1.0), values)
 
 
-def _widened(values: FloatArray, axis: int, periodic: bool) -> FloatArray:
-    """With one cell more on both sides of an axis, which is moved to the front: wrapped, or the last one again."""
-    margins = [(int(a == axis),) * 2 for a in range(values.ndim)]
-    return np.moveaxis(np.pad(values, margins, mode="wrap" if periodic else "edge"), axis, 0)
-
-
 def _fit_tents(
     porosity: FloatArray, tent: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool]
 ) -> FloatArray:
@@ -260,14 +254,14 @@ def _fit_tents(
     """
     n, least = porosity, porosity
     for axis, wraps in enumerate(periodic):
-        wide = _widened(least, axis, wraps)
+        wide = widened(least, axis, wraps)
         least = np.moveaxis(np.minimum(np.minimum(wide[:-2], wide[1:-1]), wide[2:]), 0, axis)
     if np.array_equal(least, porosity):
         return porosity
     for _ in range(100):
         mean = n
         for axis, wraps in enumerate(periodic):
-            wide = _widened(mean, axis, wraps)
+            wide = widened(mean, axis, wraps)
             mean = np.moveaxis((wide[:-2] + 4.0 * wide[1:-1] + wide[2:]) / 6.0, 0, axis)
         change = np.where(open_, tent - mean, 0.0)
         n = n + change

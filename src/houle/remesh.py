@@ -6,9 +6,8 @@ Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys. 182, 67). The two sc
 see all the nodes around it, that is at the free surface and at porous interfaces.
 
 A remesher is called as `remesher(particles, porosity, between)`, with the porosity (N,) at the particles or None for 1,
-and returns
-new Particles; their number changes, and whatever else is kept per particle has to be made anew. between: first node and
-end of the nodes along x, where walls stand that are not the sides of the tank.
+and returns new Particles; their number changes, and whatever else is kept per particle has to be made anew. between:
+first node and end of the nodes along x, where walls stand that are not the sides of the tank.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ class Remeshing:
 
     def _go_on(self, flow: Flow, dt: float) -> float:
         """A step further; returns the cells that water has come away from where it was, where there is water."""
-        grid, porosity = flow.grid, flow.medium.listed("porosity") if flow.porous else None
-        fields = (flow.velocity, flow.work.face_mass, SPRAY * grid.cell_volume, porosity, self.travelled)
+        grid, least = flow.grid, SPRAY * flow.grid.cell_volume
+        fields = (flow.velocity, flow.work.face_mass, least, flow.listed("porosity"), self.travelled)
         ways = _core.travel(grid.core, dt, *fields)
         return max(way / h for way, h in zip(ways, grid.spacing, strict=True))

@@ -209,7 +209,7 @@ class Simulation:
         """
         case = self.case.time
         gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
-        cells = max(float(np.max(self.flow.fastest / self.grid.spacing)), 1e-300)  # crossed in a second
+        cells = max(self.flow.crossed(self.flow.fastest), 1e-300)  # crossed in a second
         if case.step is not None:
             courant = cells * case.step
             if courant > 1.0:
@@ -298,7 +298,7 @@ class Simulation:
             "inflow": float(ledger.inflow),
             "outflow": float(ledger.outflow),
             "max_speed": float(speed.max()),
-            "courant": float(np.max(speed / self.grid.spacing)) * self.step_size,
+            "courant": flow.crossed(speed) * self.step_size,
             "step_size": self.step_size,
             "particles": float(len(p)),
         }

@@ -18,7 +18,7 @@ from shapely.geometry.polygon import orient
 
 from houle import _core
 from houle.geometry import Shape, layers, polygons, section
-from houle.grid import FloatArray, Grid, SingleFaces
+from houle.grid import FloatArray, Grid, SingleFaces, widened
 from houle.moments import section_moments
 
 ON_OUTLINE = 1e-6  # [spacings] a face nearer to the outline lies on it
@@ -96,8 +96,7 @@ def _beside(grid: Grid, open_cells: FloatArray, axis: int) -> tuple[NDArray[np.b
     """Faces of an axis with an open cell on one side at least, and those that a particle in some open cell sees."""
     beside = near = open_cells > 0.0
     for a, periodic in enumerate(grid.periodic):
-        margin = [(int(b == a),) * 2 for b in range(grid.dimension)]
-        wide, own = (np.moveaxis(np.pad(f, margin, "wrap" if periodic else "edge"), a, 0) for f in (near, beside))
+        wide, own = widened(near, a, periodic), widened(beside, a, periodic)
         if a == axis:
             near, beside = (np.moveaxis(f[:-1] | f[1:], 0, a) for f in (wide, own))
         else:
