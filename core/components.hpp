@@ -15,6 +15,7 @@ class ClosedComponents {
     const index most = l.pencils * ((l.n[D - 1] + 1) / 2);
     runs_.reserve(most);
     run_start_.assign(l.pencils + 1, 0);
+    sealed_.assign(l.pencils, 0);
     sums_.reserve(most);
   }
 
@@ -29,7 +30,9 @@ class ClosedComponents {
   // k (faces), e (cells): the system on the active cells of the mask.
   void find(const Layout<D>& l, const Mask<D>& active, ConstFaces<D> k, const double* e) {
     const index n = l.n[D - 1];
+    closed_ = 0;
     runs_.clear();
+    if (!any_sealed(l, active, k, e)) return;
     for (index p = 0; p < l.pencils; ++p) {
       run_start_[p] = static_cast<index>(runs_.size());
       if (l.first[p] >= l.last[p]) continue;
@@ -50,7 +53,6 @@ class ClosedComponents {
     }
     run_start_[l.pencils] = static_cast<index>(runs_.size());
     for (index p = 0; p < l.pencils; ++p) join_neighbours(l, p, k);
-    closed_ = 0;
     for (int r = 0; r < static_cast<int>(runs_.size()); ++r) {  // roots come first
       Run& run = runs_[r];
       if (run.parent == r)
@@ -93,8 +95,33 @@ class ClosedComponents {
   };
   std::vector<Run> runs_;
   std::vector<index> run_start_;
+  std::vector<std::uint8_t> sealed_;  // pencils with a run without air
   std::vector<Sum> sums_;
   int closed_ = 0;
+
+  // Whether some run touches no air by itself: if none does, no component is closed.
+  bool any_sealed(const Layout<D>& l, const Mask<D>& active, ConstFaces<D> k, const double* e) {
+    const index n = l.n[D - 1];
+    std::uint8_t* sealed = sealed_.data();
+    parallel_for_grid(
+        l.pencils,
+        [=, &l, &active](index p) {
+          sealed[p] = 0;
+          if (l.first[p] >= l.last[p]) return;
+          const std::uint8_t* mask = active.pencil(l.place(p));
+          const double *up = k[D - 1] + p * (n + 1), *air = e + p * n;
+          bool open = true;  // of the run so far
+          for (index j = l.first[p]; j < l.last[p]; ++j) {
+            if (!mask[j]) continue;
+            const bool linked = j > l.first[p] && mask[j - 1] && up[j] > 0;
+            if (!linked && !open) sealed[p] = 1;
+            open = air[j] > 0 || (linked && open);
+          }
+          if (!open) sealed[p] = 1;
+        },
+        l.grain);
+    return std::find(sealed_.begin(), sealed_.end(), 1) != sealed_.end();
+  }
 
   int root(int r) {
     while (runs_[r].parent != r) r = runs_[r].parent = runs_[runs_[r].parent].parent;

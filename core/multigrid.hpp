@@ -134,92 +134,101 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
     lc.first[p] = std::min(first, last);
     lc.last[p] = last;
   }
+  constexpr index heavy = 8;
   auto *f = &fine, *c = &coarse;
   parallel_for_grid(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
   lc.list(&lf, coarser);
-  for_rows(lc, [=](const Pencil& row) {
-    constexpr int pencils = 1 << (D - 1);
-    const auto child = children(f->layout, row);
-    for (int s = 0; s < 2; ++s) {
-      const int colour = (row.parity + s) & 1;
-      for (int i = 0; i < pencils; ++i) {
-        const int even = D == 2 ? i & 1 : (i ^ (i >> 1)) & 1;  // colour of its cells with even j
-        const index at = child[i] + s;
-        for (int a = 0; a < D - 1; ++a) {
-          if (i >> a & 1) continue;
-          Real* k = c->k[a].c[colour] + row.at;
-          for (int t = 0; t < 2; ++t) {
-            const Real* link = f->k[a].c[t] + at;
-            const Real* above = f->k[a].c[1 - t] + at + f->layout.step[a];
-            const Real* below = f->k[a].c[1 - t] + at - f->layout.step[a];
+  for_rows(
+      lc,
+      [=](const Pencil& row) {
+        constexpr int pencils = 1 << (D - 1);
+        const auto child = children(f->layout, row);
+        for (int s = 0; s < 2; ++s) {
+          const int colour = (row.parity + s) & 1;
+          for (int i = 0; i < pencils; ++i) {
+            const int even = D == 2 ? i & 1 : (i ^ (i >> 1)) & 1;  // colour of its cells with even j
+            const index at = child[i] + s;
+            for (int a = 0; a < D - 1; ++a) {
+              if (i >> a & 1) continue;
+              Real* k = c->k[a].c[colour] + row.at;
+              for (int t = 0; t < 2; ++t) {
+                const Real* link = f->k[a].c[t] + at;
+                const Real* above = f->k[a].c[1 - t] + at + f->layout.step[a];
+                const Real* below = f->k[a].c[1 - t] + at - f->layout.step[a];
+                HOULE_INDEPENDENT
+                for (index m = row.begin; m < row.end; ++m)
+                  k[m] = (i + t > 0 ? k[m] : Real(0)) + coupled(link[2 * m], below[2 * m], above[2 * m]);
+              }
+            }
+            Real* k = c->k[D - 1].c[colour] + row.at;
+            Real* e = c->e().c[colour] + row.at;
+            const Real* link = f->k[D - 1].c[even] + at;
+            const Real* inner = f->k[D - 1].c[1 - even] + at;
+            const Real* e0 = f->e().c[even] + at;
+            const Real* e1 = f->e().c[1 - even] + at;
             HOULE_INDEPENDENT
-            for (index m = row.begin; m < row.end; ++m)
-              k[m] = (i + t > 0 ? k[m] : Real(0)) + coupled(link[2 * m], below[2 * m], above[2 * m]);
+            for (index m = row.begin; m < row.end; ++m) {
+              k[m] = (i > 0 ? k[m] : Real(0)) + coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
+              e[m] = (i > 0 ? e[m] : Real(0)) + coupled(e0[2 * m], Real(0), inner[2 * m]) +
+                     coupled(e1[2 * m], Real(0), inner[2 * m]);
+            }
           }
         }
-        Real* k = c->k[D - 1].c[colour] + row.at;
-        Real* e = c->e().c[colour] + row.at;
-        const Real* link = f->k[D - 1].c[even] + at;
-        const Real* inner = f->k[D - 1].c[1 - even] + at;
-        const Real* e0 = f->e().c[even] + at;
-        const Real* e1 = f->e().c[1 - even] + at;
-        HOULE_INDEPENDENT
-        for (index m = row.begin; m < row.end; ++m) {
-          k[m] = (i > 0 ? k[m] : Real(0)) + coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
-          e[m] = (i > 0 ? e[m] : Real(0)) + coupled(e0[2 * m], Real(0), inner[2 * m]) +
-                 coupled(e1[2 * m], Real(0), inner[2 * m]);
+        for (int a = 0; a < D; ++a) {  // one cell around a periodic axis: no neighbour but itself
+          if (c->layout.n[a] > 1) continue;
+          for (int colour = 0; colour < 2; ++colour)
+            std::fill(c->k[a].c[colour] + row.at + row.lo, c->k[a].c[colour] + row.at + row.hi, Real(0));
         }
-      }
-    }
-    for (int a = 0; a < D; ++a) {  // one cell around a periodic axis: no neighbour but itself
-      if (c->layout.n[a] > 1) continue;
-      for (int colour = 0; colour < 2; ++colour)
-        std::fill(c->k[a].c[colour] + row.at + row.lo, c->k[a].c[colour] + row.at + row.hi, Real(0));
-    }
-  });
+      },
+      heavy);
   for (int a = 0; a < D; ++a)
     for (int colour = 0; colour < 2; ++colour) exchange(lc, coarse.k[a], colour, a);
-  for_rows(lc, [=](const Pencil& row) {
-    for (int colour = 0; colour < 2; ++colour) {
-      Level<D, Real>* level = c;
-      std::array<const Real*, 2 * D> k;
-      for (int a = 0; a < D; ++a) {
-        k[2 * a] = level->k[a].c[colour] + row.at;
-        const index up = a < D - 1 ? level->layout.step[a] : (row.parity + colour) & 1;
-        k[2 * a + 1] = level->k[a].c[1 - colour] + row.at + up;
-      }
-      const Real* e = level->e().c[colour] + row.at;
-      Real* inverse = level->inverse.c[colour] + row.at;
-      const index end = std::min<index>(row.end, (level->layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
-      HOULE_INDEPENDENT
-      for (index m = row.begin; m < end; ++m) {
-        Real sum = e[m];
-        for (int i = 0; i < 2 * D; ++i) sum += k[i][m];
-        inverse[m] = sum > 0 ? 1 / sum : 0;
-      }
-    }
-  });
+  for_rows(
+      lc,
+      [=](const Pencil& row) {
+        for (int colour = 0; colour < 2; ++colour) {
+          Level<D, Real>* level = c;
+          std::array<const Real*, 2 * D> k;
+          for (int a = 0; a < D; ++a) {
+            k[2 * a] = level->k[a].c[colour] + row.at;
+            const index up = a < D - 1 ? level->layout.step[a] : (row.parity + colour) & 1;
+            k[2 * a + 1] = level->k[a].c[1 - colour] + row.at + up;
+          }
+          const Real* e = level->e().c[colour] + row.at;
+          Real* inverse = level->inverse.c[colour] + row.at;
+          const index end = std::min<index>(row.end, (level->layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
+          HOULE_INDEPENDENT
+          for (index m = row.begin; m < end; ++m) {
+            Real sum = e[m];
+            for (int i = 0; i < 2 * D; ++i) sum += k[i][m];
+            inverse[m] = sum > 0 ? 1 / sum : 0;
+          }
+        }
+      },
+      heavy);
 }
 
-// coarse.b = sums of the residuals of fine, one colour of it; the other is added if there is one.
+// coarse.b = sums of the residuals of fine, one colour of it; the other is added if there is one. Of the coarse pencils
+// whose last children are in `part`: those before are in the slice before.
 template <int D, class Real>
-inline void restrict_residual(const Level<D, Real>& fine, const Level<D, Real>& coarse, int colour) {
-  auto* f = &fine;
-  auto* c = &coarse;
-  for_rows(coarse.layout, [=](const Pencil& row) {
-    const auto child = children(f->layout, row);
+inline void restrict_residual(const Level<D, Real>& fine, const Level<D, Real>& coarse, int colour,
+                              const Slices& part) {
+  const Layout<D>& l = coarse.layout;
+  const index n = fine.layout.n[0], end = part.to == n ? l.n[0] : part.to / 2;
+  for (const Pencil* row = l.rows.data() + l.slice[part.from / 2]; row < l.rows.data() + l.slice[end]; ++row) {
+    const auto child = children(fine.layout, *row);
     for (int s = 0; s < 2; ++s) {
       std::array<const Real*, (1 << (D - 1))> r;
-      for (std::size_t i = 0; i < r.size(); ++i) r[i] = f->r.c[colour] + child[i] + s;
-      Real* b = c->b.c[(row.parity + s) & 1] + row.at;
+      for (std::size_t i = 0; i < r.size(); ++i) r[i] = fine.r.c[colour] + child[i] + s;
+      Real* b = coarse.b.c[(row->parity + s) & 1] + row->at;
       HOULE_INDEPENDENT
-      for (index m = row.begin; m < row.end; ++m) {
+      for (index m = row->begin; m < row->end; ++m) {
         Real sum = r[0][2 * m] + r[1][2 * m];
         if constexpr (D == 3) sum += r[2][2 * m] + r[3][2 * m];
         b[m] = colour == 0 ? sum : b[m] + sum;
       }
     }
-  });
+  }
 }
 
 // fine.x += coarse.x on the fine pencils from begin to end; in the red cells only where the black ones are overwritten
@@ -250,33 +259,40 @@ inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
     if (k > 0) exchange(layout, level.x, 1 - k % 2);
   };
   if (i + 1 == levels.size()) {  // a single cell
-    const Pencil* rows = layout.rows.data();
-    for (int colour = 0; colour < 2; ++colour) sweeps.relax_zero(rows, rows + layout.rows.size(), colour);
+    const Pencil *begin = layout.rows.data(), *end = begin + layout.rows.size();
+    for (int colour = 0; colour < 2; ++colour) sweeps.relax_zero(begin, end, colour);
     return;
   }
   Level<D, Real>& coarse = levels[i + 1];
+  const Level<D, Real>*above = &coarse, *here = &level;
   const int half_sweeps = i == 0 ? 4 : 6;
-  in_turn(layout, half_sweeps + 1, fetch, [=](int k, const Pencil* begin, const Pencil* end) {
+  in_turn(layout, half_sweeps + 2, fetch, [=](int k, const Slices& part) {
     if (k == 0)
-      sweeps.relax_zero(begin, end, 0);
+      sweeps.relax_zero(part.begin, part.end, 0);
     else if (k < half_sweeps)
-      sweeps.relax(begin, end, k % 2);
+      sweeps.relax(part.begin, part.end, k % 2);
+    else if (k == half_sweeps)
+      sweeps.residual(part.begin, part.end, 0);
     else
-      sweeps.residual(begin, end, 0);
+      restrict_residual(*here, *above, 0, part);
   });
-  restrict_residual(level, coarse, 0);
   if (layout.odd) {
     exchange(layout, level.x, 0);
-    for_rows(layout, [=](const Pencil& row) { sweeps.residual(&row, &row + 1, 1); });
-    restrict_residual(level, coarse, 1);
+    in_turn(
+        layout, 2, [](int) {},
+        [=](int k, const Slices& part) {
+          if (k == 0)
+            sweeps.residual(part.begin, part.end, 1);
+          else
+            restrict_residual(*here, *above, 1, part);
+        });
   }
   cycle(levels, i + 1);
-  const Level<D, Real>*from = &coarse, *onto = &level;
-  in_turn(layout, half_sweeps + 1, fetch, [=](int k, const Pencil* begin, const Pencil* end) {
+  in_turn(layout, half_sweeps + 1, fetch, [=](int k, const Slices& part) {
     if (k == 0)
-      prolong(*from, *onto, begin, end);
+      prolong(*above, *here, part.begin, part.end);
     else
-      sweeps.relax(begin, end, k % 2);
+      sweeps.relax(part.begin, part.end, k % 2);
   });
 }
 

@@ -117,7 +117,9 @@ inline void parallel_for_coloured(index n, int colours, Colour colour, Place pla
       if (colour(i) == now) run_share(i, i + 1, body);
     };
     const auto bound = [=](int s) { return share_bound(n, shares, s, place); };
-    if (shares < 2 || !team.run(loop_of(pass, 1, shares), bound)) run_share(0, n, pass);
+    index many = 0;  // of this colour
+    for (index i = 0; i < n; ++i) many += colour(i) == now;
+    if (many < 2 || shares < 2 || !team.run(loop_of(pass, 1, shares), bound)) run_share(0, n, pass);
   }
 }
 

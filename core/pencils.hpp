@@ -241,13 +241,14 @@ class Mask {
   }
 };
 
+// weight: work on an entry, in those of a sweep.
 template <int D, class Body>
-inline void for_rows(const Layout<D>& l, Body body) {
+inline void for_rows(const Layout<D>& l, Body body, index weight = 1) {
   const Pencil* rows = l.rows.data();
   parallel_for_placed(
       static_cast<index>(l.rows.size()),
       [=, part = l.part()](index i) { return part * static_cast<double>(rows[i].before); },
-      [=](index i) { body(rows[i]); }, l.grain);
+      [=](index i) { body(rows[i]); }, std::max<index>(1, l.grain / weight));
 }
 
 // Calls body(s, i, n) for the entries [i, i + n) of one colour in one pencil; s is 0 or 1: they are the cells j = 2 m +
@@ -266,9 +267,13 @@ inline void sweep(const Layout<D>& l, int colour, Body body) {
   for_rows(l, [=](const Pencil& row) { with_entries(row, colour, body); });
 }
 
-// Operations 0 .. count - 1 on every pencil: op(k, begin, end), on the pencils from begin to end, reads what operation
-// k - 1 has left in them and in those beside them. before(k) is called before operation k where pencils meet across a
-// periodic end.
+struct Slices {  // across the first axis
+  index from, to;
+  const Pencil *begin, *end;  // the pencils in them
+};
+
+// Operations 0 .. count - 1 on every pencil: op(k, slices) reads what operation k - 1 has left in these slices and in
+// those beside them. before(k) is called before operation k where pencils meet across a periodic end.
 //
 // Where none do, a block of slices goes through all operations, one block per thread, without waiting for the others.
 // With every operation it leaves out one slice more towards its neighbours: the wedge between two blocks is done when
@@ -276,15 +281,20 @@ inline void sweep(const Layout<D>& l, int colour, Body body) {
 template <int D, class Before, class Op>
 inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
   const Pencil* rows = l.rows.data();
+  const index* slice = l.slice.data();
+  const auto run = [=](int k, index from, index to) { op(k, Slices{from, to, rows + slice[from], rows + slice[to]}); };
+  const index slices = l.n[0], entries = l.load[slices];
   if (l.wrapped()) {
+    const auto place = [load = l.load.data(), part = l.part()](index i) { return part * static_cast<double>(load[i]); };
+    const index grain = std::max<index>(1, l.grain * slices / l.pencils);
     for (int k = 0; k < count; ++k) {
       before(k);
-      parallel_for(static_cast<index>(l.rows.size()), [=](index r) { op(k, rows + r, rows + r + 1); }, l.grain);
+      parallel_for_placed(slices, place, [=](index i) { run(k, i, i + 1); }, grain);
     }
     return;
   }
-  constexpr index enough = 4096, most = 64;  // entries in a block, over all operations; blocks
-  const index slices = l.n[0], narrowest = 2 * count, entries = l.load[slices];
+  constexpr index enough = 2048, most = 64;  // entries in a block, over all operations; blocks
+  const index narrowest = 2 * count;
   const index blocks =
       std::max<index>(1, std::min<index>({get_threads(), most, slices / (2 * narrowest), count * entries / enough}));
   std::array<index, most + 1> bound{};
@@ -293,12 +303,11 @@ inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
     bound[b] = std::clamp<index>(place, bound[b - 1] + narrowest, slices - (blocks - b) * narrowest);
   }
   bound[blocks] = slices;
-  const index* slice = l.slice.data();
   const auto part = [=](index q) {  // even: block, odd: wedge; operation k on the slices [from + k a, to + k b)
     const bool wedge = q % 2 == 1;
     const index from = bound[(q + 1) / 2], to = wedge ? from : bound[q / 2 + 1];
     const index a = wedge ? -1 : from > 0, b = wedge ? 1 : -(to < slices);
-    for (int k = 0; k < count; ++k) op(k, rows + slice[from + k * a], rows + slice[to + k * b]);
+    for (int k = 0; k < count; ++k) run(k, from + k * a, to + k * b);
   };
   const auto colour = [](index q) { return static_cast<int>(q % 2); };
   const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks - 1); };

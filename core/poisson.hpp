@@ -61,13 +61,13 @@ class PressureSolver {
 
   // p: in the first guess, out the solution. Stops when the max-norm of the residual is at most `tolerance`.
   SolveResult solve(const double* rhs, double* p, double tolerance, int max_iterations) {
-    load(p, x_);
-    load(rhs, b_);
+    load(p, rhs);
     components_.remove_means(b_);
     components_.remove_means(x_);
     scale_ = 1;
     double norm = true_residual(), reached = norm, peak = norm;
     if (norm > tolerance) scale_residual(1 / norm);
+    bool exact = true;  // whether norm is that of the true residual
     int iterations = 0;
     double rz = 0;
     while (!(norm <= tolerance) && std::isfinite(norm) && iterations < max_iterations) {
@@ -79,17 +79,19 @@ class PressureSolver {
       const double pq = apply();
       if (!(pq > 0)) break;
       norm = advance(rz / pq);
+      exact = false;
       ++iterations;
       peak = std::max(peak, norm);
       if (norm <= std::max(tolerance, trusted * peak)) {
         const double believed = norm;
         norm = true_residual();
+        exact = true;
         if (norm > 2 * believed && norm > 0.5 * reached) break;  // round-off reached
         reached = peak = norm;
       }
     }
     components_.remove_means(x_);
-    norm = true_residual();
+    if (!exact || closed_components() > 0) norm = true_residual();
     store(p);
     if (!std::isfinite(norm)) forget();
     return {norm <= tolerance ? iterations : -1, norm};
@@ -216,26 +218,26 @@ class PressureSolver {
       for (auto* f : {&level.x, &level.b, &level.r}) std::fill(f->store.begin(), f->store.end(), Real(0));
   }
 
-  void load(const double* from, const Doubles& to) {
+  void load(const double* p, const double* rhs) {  // the first guess, the right-hand side
     auto* self = this;
-    auto* field = &to;
     const index n = grid_.shape[D - 1];
     parallel_for_grid(
         fine().pencils,
-        [=](index p) {
+        [=](index r) {
           auto& l = self->fine();
-          if (l.first[p] >= l.last[p]) return;
-          const Pencil row = l.pencil(p);
+          if (l.first[r] >= l.last[r]) return;
+          const Pencil row = l.pencil(r);
           for (index s = 0; s < 2; ++s) {
             const int c = (row.parity + static_cast<int>(s)) & 1;
             const index end = std::min<index>(row.end, (n - s + 1) / 2);
             const Real* inverse = self->levels_[0].inverse.c[c] + row.at;
-            double* x = field->c[c] + row.at;
-            const double* source = from + p * n + s;
+            double *x = self->x_.c[c] + row.at, *b = self->b_.c[c] + row.at;
+            const double *guess = p + r * n + s, *source = rhs + r * n + s;
             HOULE_INDEPENDENT
             for (index m = row.begin; m < end; ++m) {
-              const double value = source[2 * m];
-              x[m] = inverse[m] > 0 ? value : 0.0;
+              const double g = guess[2 * m], f = source[2 * m];
+              x[m] = inverse[m] > 0 ? g : 0.0;
+              b[m] = inverse[m] > 0 ? f : 0.0;
             }
           }
         },
@@ -272,15 +274,18 @@ class PressureSolver {
         sum[v] += static_cast<double>(a[i + v]) * static_cast<double>(b[i + v]);
     for (int v = 0; v < multigrid::width; ++v) lanes[v] += sum[v];
   }
-  template <class Number>
-  static Number larger(Number a, Number b) {  // NaN wins
-    return ((a >= b) | (a != a)) ? a : b;
-  }
+  struct Larger {  // NaN wins
+    template <class Number>
+    Number operator()(Number a, Number b) const {
+      return ((a >= b) | (a != a)) ? a : b;
+    }
+  };
+  static constexpr Larger larger{};
   static void max_size(const Real* a, index n, double* lanes) {
     Real most[multigrid::width] = {};
     for (index i = 0; i < n; i += multigrid::width)
       for (int v = 0; v < multigrid::width; ++v) most[v] = larger(most[v], std::abs(a[i + v]));
-    for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger<double>(lanes[v], most[v]);
+    for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger(lanes[v], static_cast<double>(most[v]));
   }
 
   // Sums or maxima over the colours in use: body(colour, s, first, n, lanes) adds n entries to eight partial results of
@@ -363,7 +368,7 @@ class PressureSolver {
         }
       for (int v = 0; v < multigrid::width; ++v) lanes[v] = larger(lanes[v], most[v]);
     };
-    return reduce(entries, larger<double>);
+    return reduce(entries, larger);
   }
 
   void scale_residual(double scale) {  // so that the numbers of the cycle are far from the smallest there are
@@ -431,7 +436,7 @@ class PressureSolver {
       }
       max_size(r, n, lanes);
     };
-    return reduce(go, larger<double>) / scale_;
+    return reduce(go, larger) / scale_;
   }
 };
 
