@@ -158,6 +158,71 @@ inline std::vector<double> parallel_values(index n, Body body, index grain = 16)
   return value;
 }
 
+// The i = 0..n-1 for which test(i) holds, in order.
+template <class Test>
+inline std::vector<std::int32_t> parallel_where(index n, Test test) {
+  constexpr index block = 2048;
+  const index blocks = (n + block - 1) / block;
+  std::vector<index> start(static_cast<std::size_t>(blocks) + 1, 0);
+  index* starts = start.data();
+  parallel_for(
+      blocks,
+      [=](index b) {
+        index count = 0;
+        for (index i = b * block; i < std::min(n, (b + 1) * block); ++i) count += test(i) ? 1 : 0;
+        starts[b + 1] = count;
+      },
+      4);
+  for (index b = 0; b < blocks; ++b) starts[b + 1] += starts[b];
+  std::vector<std::int32_t> found(static_cast<std::size_t>(starts[blocks]));
+  std::int32_t* to = found.data();
+  parallel_for(
+      blocks,
+      [=](index b) {
+        index k = starts[b];
+        for (index i = b * block; i < std::min(n, (b + 1) * block); ++i)
+          if (test(i)) to[k++] = static_cast<std::int32_t>(i);
+      },
+      4);
+  return found;
+}
+
+// Stable counting sort of i = 0..n-1 by key[i] in 0..keys-1: order (n,) the i for each place, start (keys + 1,) the
+// place of the first of each key. Each share of the keys counts and places what lies in it; the shares are equal if the
+// keys are nearly sorted already.
+inline void counting_sort(index n, index keys, const std::int32_t* key, std::int32_t* order, std::int32_t* start) {
+  constexpr index most = 16, enough = 4096;  // shares; entries in one
+  const index shares = std::clamp<index>(std::min<index>(get_threads(), n / enough), 1, most);
+  std::array<index, most + 1> bound{};        // of the keys of each share
+  std::array<std::int32_t, most + 1> held{};  // entries in the shares before it
+  for (index s = 1; s < shares; ++s) bound[s] = std::max<index>(bound[s - 1], key[n * s / shares]);
+  bound[shares] = keys;
+  std::int32_t* in_share = held.data() + 1;
+  parallel_for(
+      shares,
+      [=](index s) {
+        const index first = bound[s], end = bound[s + 1];
+        std::fill(start + first, start + end, 0);
+        std::int32_t count = 0;
+        for (index i = 0; i < n; ++i)
+          if (key[i] >= first && key[i] < end) ++start[key[i]], ++count;
+        in_share[s] = count;
+      },
+      1);
+  for (index s = 0; s < shares; ++s) held[s + 1] += held[s];
+  parallel_for(
+      shares,
+      [=](index s) {
+        const index first = bound[s], end = bound[s + 1];
+        std::int32_t next = held[s];
+        for (index k = first; k < end; ++k) start[k] = next += start[k];  // end of the key, until it is filled
+        for (index i = n - 1; i >= 0; --i)                                // from its end
+          if (key[i] >= first && key[i] < end) order[--start[key[i]]] = static_cast<std::int32_t>(i);
+      },
+      1);
+  start[keys] = static_cast<std::int32_t>(n);
+}
+
 template <class Body>
 inline double parallel_sum(index n, Body body) {
   return parallel_reduce(n, 0.0, body, [](double a, double b) { return a + b; });

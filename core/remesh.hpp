@@ -93,7 +93,7 @@ class Slabs {
   Slabs(const Lattice<D>& l, index n, const double* x) {
     const index nodes = l.shape[0];
     count_ = nodes < 8 ? 1 : nodes / 8 * 2;  // even (periodic axes), each at least 4 nodes wide
-    start_.assign(static_cast<std::size_t>(count_) + 1, 0);
+    start_.resize(static_cast<std::size_t>(count_) + 1);
     order_.resize(static_cast<std::size_t>(n));
     std::vector<std::int32_t> slab(static_cast<std::size_t>(n));
     std::int32_t* s = slab.data();
@@ -102,19 +102,15 @@ class Slabs {
       const index i = static_cast<index>(l.scaled(0, x[p * D]) + 0.5);
       s[p] = static_cast<std::int32_t>(std::min(i, nodes - 1) * count / nodes);
     });
-    for (index p = 0; p < n; ++p) ++start_[slab[p] + 1];
-    for (index c = 0; c < count_; ++c) start_[c + 1] += start_[c];
-    std::vector<index> next(start_.begin(), start_.end() - 1);
-    for (index p = 0; p < n; ++p) order_[next[slab[p]]++] = static_cast<std::int32_t>(p);
+    counting_sort(n, count, s, order_.data(), start_.data());
   }
   template <class Body>
   void scatter(Body body) const {  // body(p) for every particle
-    const index* start = start_.data();
-    const std::int32_t* order = order_.data();
-    const double all = static_cast<double>(std::max<index>(1, start_[count_]));
+    const std::int32_t *start = start_.data(), *order = order_.data();
+    const double all = std::max(1, start_[count_]);
     parallel_for_coloured(
         count_, 2, [](index s) { return static_cast<int>(s % 2); },
-        [=](index s) { return 0.5 * static_cast<double>(start[s] + start[s + 1]) / all; },
+        [=](index s) { return 0.5 * (start[s] + start[s + 1]) / all; },
         [=](index s) {
           for (index q = start[s]; q < start[s + 1]; ++q) body(order[q]);
         });
@@ -122,8 +118,7 @@ class Slabs {
 
  private:
   index count_;
-  std::vector<index> start_;
-  std::vector<std::int32_t> order_;
+  std::vector<std::int32_t> start_, order_;
 };
 
 template <int D>
@@ -139,8 +134,7 @@ struct Pores {              // of the half cells
   const std::int8_t* body;  // of each half cell: negative in solids
 
   bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls
-    const index i = node / l.stride[0];
-    return body[node] < 0 || i < l.begin || i >= l.end;
+    return body[node] < 0 || node < l.begin * l.stride[0] || node >= l.end * l.stride[0];
   }
   double porosity(const Lattice<D>& l, index node) const {
     if (!cells) return 1.0;
@@ -189,15 +183,17 @@ struct Receivers {  // the nodes that may hold a particle, in memory order; numb
 
   Receivers(const Lattice<D>& l, const std::vector<double>& fill, const Pores<D>* pores, double threshold)
       : number(fill.size()) {
-    std::int32_t count = 0;
-    for (index i = 0; i < l.nodes(); ++i)
-      number[i] = fill[i] >= threshold && !(pores && pores->closed(l, i)) ? count++ : -1;
-    node.resize(count);
-    for (index i = 0; i < l.nodes(); ++i)
-      if (number[i] >= 0) node[number[i]] = static_cast<std::int32_t>(i);
-    if (!pores || !pores->cells) return;
-    porosity.resize(count);
-    parallel_for(this->count(), [this, &l, pores](index r) { porosity[r] = pores->porosity(l, node[r]); });
+    const double* f = fill.data();
+    node = parallel_where(l.nodes(), [=, &l](index i) { return f[i] >= threshold && !(pores && pores->closed(l, i)); });
+    if (pores && pores->cells) porosity.resize(node.size());
+    std::int32_t* numbers = number.data();
+    const std::int32_t* nodes = node.data();
+    double* room = porosity.empty() ? nullptr : porosity.data();
+    parallel_for(l.nodes(), [=](index i) { numbers[i] = -1; });
+    parallel_for(count(), [=, &l](index r) {
+      numbers[nodes[r]] = static_cast<std::int32_t>(r);
+      if (room) room[r] = pores->porosity(l, nodes[r]);
+    });
   }
   index count() const { return static_cast<index>(node.size()); }
 };
@@ -333,8 +329,9 @@ template <int D>
 inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, Gathered<D>* nodes,
                   std::vector<unsigned char>& gone) {
   const std::int32_t* number = receivers.number.data();
-  for (index r = 0; r < receivers.count(); ++r) {
-    if (gone[r] || (nodes[r].bulk > 0 && nodes[r].volume > 0)) continue;
+  const unsigned char* left = gone.data();
+  for (index r : parallel_where(receivers.count(),
+                                [=](index r) { return !left[r] && !(nodes[r].bulk > 0 && nodes[r].volume > 0); })) {
     const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
     for (int radius = 2; radius <= 32 && !gone[r]; radius *= 2) {
       const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, nodes);
@@ -356,14 +353,14 @@ inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receive
   const std::int32_t* node = receivers.node.data();
   std::int32_t* to = target.data();
   const double enough = remesh::keep * l.volume;
+  unsigned char* given = gone.data();
   parallel_for(count, [=, &l](index r) {
-    if (nodes[r].volume == 0 || nodes[r].bulk >= enough) return;
+    given[r] = nodes[r].volume == 0;
+    if (given[r] || nodes[r].bulk >= enough) return;
     for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
       to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, nodes));
   });
-  for (index r = 0; r < count; ++r) {
-    gone[r] = nodes[r].volume == 0;
-    if (to[r] < 0) continue;
+  for (index r : parallel_where(count, [=](index r) { return to[r] >= 0; })) {
     hand_over(l, node[r], to[r], nodes[r], nodes[number[to[r]]]);
     gone[r] = 1;
   }
@@ -410,11 +407,10 @@ inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const Par
   unsigned char* stays = stayed.data();
   slabs.scatter([=, &l, &pores, &receivers](index i) { stays[i] = !give(l, pores, receivers, p, i, nodes); });
   const auto gone = merge_small(l, receivers, nodes);
-  shared.from.reserve(count);
-  for (index r = 0; r < count; ++r)
-    if (!gone[r]) shared.from.push_back(static_cast<std::int32_t>(r));
-  for (index i = 0; i < p.n; ++i)
-    if (stays[i]) shared.from.push_back(static_cast<std::int32_t>(count + i));
+  const unsigned char* left = gone.data();
+  shared.from = parallel_where(count, [=](index r) { return !left[r]; });
+  for (index i : parallel_where(p.n, [=](index i) { return stays[i] != 0; }))
+    shared.from.push_back(static_cast<std::int32_t>(count + i));
   shared.node = std::move(receivers.node);
   return shared;
 }

@@ -19,43 +19,14 @@ inline index cell_of(const Grid<D>& g, const double* x) {
   return f;
 }
 
-// Stable counting sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell.
-// cell (n,) is work space. Each share of the cells counts and places what lies in it; the shares are equal if the
-// particles are nearly sorted already.
+// Stable sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell. cell (n,)
+// is work space.
 template <int D>
 inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
                       std::int32_t* start) {
-  constexpr index most = 16, enough = 4096;  // shares; particles in one
-  const index cells = g.cells(), shares = std::clamp<index>(std::min<index>(get_threads(), n / enough), 1, most);
+  const index cells = g.cells();
   parallel_for(n, [=](index p) { cell[p] = static_cast<std::int32_t>(cell_of<D>(g, x + D * p)); });
-  std::array<index, most + 1> bound{};        // of the cells of each share
-  std::array<std::int32_t, most + 1> held{};  // particles in the shares before it
-  for (index s = 1; s < shares; ++s) bound[s] = std::max<index>(bound[s - 1], cell[n * s / shares]);
-  bound[shares] = cells;
-  std::int32_t* in_share = held.data() + 1;
-  parallel_for(
-      shares,
-      [=](index s) {
-        const index first = bound[s], end = bound[s + 1];
-        std::fill(start + first, start + end, 0);
-        std::int32_t count = 0;
-        for (index p = 0; p < n; ++p)
-          if (cell[p] >= first && cell[p] < end) ++start[cell[p]], ++count;
-        in_share[s] = count;
-      },
-      1);
-  for (index s = 0; s < shares; ++s) held[s + 1] += held[s];
-  parallel_for(
-      shares,
-      [=](index s) {
-        const index first = bound[s], end = bound[s + 1];
-        std::int32_t next = held[s];
-        for (index c = first; c < end; ++c) start[c] = next += start[c];  // end of the cell, until it is filled
-        for (index p = n - 1; p >= 0; --p)                                // from its end
-          if (cell[p] >= first && cell[p] < end) order[--start[cell[p]]] = static_cast<std::int32_t>(p);
-      },
-      1);
-  start[cells] = static_cast<std::int32_t>(n);
+  counting_sort(n, cells, cell, order, start);
   const index nx = g.shape[0], plane = cells / nx;
   for (int i = 1; i <= Team::places && n > 0; ++i)
     Team::shared().tell(i, static_cast<double>(start[nx * i / Team::places * plane]) / static_cast<double>(n));
