@@ -213,13 +213,14 @@ template <int D>
 inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth,
                             ConstFaces<D, float> open, ConstFaces<D> mobility, double step, ConstFaces<D> star,
                             double least, Faces<D> k, double* e, double* rhs) {
-  for (int a = 0; a < D; ++a) {
+  parallel_for_face_slices(g, [=](int a, index first, index end) {
     const float* o = open[a];
     const double* mo = mobility[a];
     double* ka = k[a];
     const double h2 = 1.0 / (g.h[a] * g.h[a]);
-    parallel_for_grid(g.faces(a), [=](index f) { ka[f] = o[f] * (mo ? mo[f] : step) * h2; });
-  }
+    HOULE_INDEPENDENT
+    for (index f = first; f < end; ++f) ka[f] = o[f] * (mo ? mo[f] : step) * h2;
+  });
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   parallel_for_grid(
@@ -365,53 +366,57 @@ template <int D>
 inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> mass, double keep_mass, Faces<D> u,
                         const std::array<std::uint8_t*, D>& known) {
   constexpr int up = D - 1;
-  for (int a = 0; a < D; ++a) {
+  const auto layer_of = [=](int a, index r, int layer) {  // one more layer on a row of the faces of an axis
     const auto shape = g.face_shape(a);
-    const index line = shape[up], period = g.periodic[up] ? g.shape[up] : 0;
+    const index line = shape[up], period = g.periodic[up] ? g.shape[up] : 0, row = r * line;
+    const std::uint8_t mark = static_cast<std::uint8_t>(layer + 1);
     double* ua = u[a];
     std::uint8_t* known_a = known[a];
-    const double* m = mass[a];
-    for (int layer = 1; layer <= layers; ++layer) {
-      const std::uint8_t mark = static_cast<std::uint8_t>(layer + 1);
-      if (m && layer == near + 1)
-        parallel_for_grid(g.faces(a),
-                          [=](index f) { known_a[f] = !known_a[f] && m[f] > keep_mass ? mark : known_a[f]; });
-      parallel_for_grid(
-          g.faces(a) / line,
-          [=](index r) {
-            const index row = r * line;
-            auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(shape)), shape);
-            for (index& n : beside) n = n < 0 ? row : n;  // behind a wall an entry sees itself: not known, not counted
-            const auto fill = [=](index j) {
-              if (known_a[row + j]) return;
-              double sum = 0.0;
-              int count = 0;
-              const auto add = [&](index f) {
-                if (known_a[f] && known_a[f] < mark) sum += ua[f], ++count;
-              };
-              for (index n : beside) add(n + j);
-              add(row + (period ? (j - 1 + period) % period : std::max<index>(j - 1, 0)));
-              add(row + (period ? (j + 1) % period : std::min(j + 1, line - 1)));
-              if (!count) return;
-              ua[row + j] = sum / count;
-              known_a[row + j] = mark;
-            };
-            fill(0);
-            index j = 1;
-            for (; j + word <= line - 1; j += word) {  // entries that are not known but touch one that is, if any
-              const std::uint8_t* here = known_a + row + j;
-              std::uint64_t around = word_at(here - 1) | word_at(here + 1);
-              for (index side : beside) around |= word_at(known_a + side + j);
-              if (around == 0 || !has_zero(word_at(here))) continue;
-              for (index i = j; i < j + word; ++i) fill(i);
-            }
-            for (; j < line - 1; ++j) fill(j);
-            fill(line - 1);
-          },
-          16);
+    if (mass[a] && layer == near + 1)
+      for (index f = row; f < row + line; ++f) known_a[f] = !known_a[f] && mass[a][f] > keep_mass ? mark : known_a[f];
+    auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(shape)), shape);
+    for (index& n : beside) n = n < 0 ? row : n;  // behind a wall an entry sees itself: not known, not counted
+    const auto fill = [=](index j) {
+      if (known_a[row + j]) return;
+      double sum = 0.0;
+      int count = 0;
+      const auto add = [&](index f) {
+        if (known_a[f] && known_a[f] < mark) sum += ua[f], ++count;
+      };
+      for (index n : beside) add(n + j);
+      add(row + (period ? (j - 1 + period) % period : std::max<index>(j - 1, 0)));
+      add(row + (period ? (j + 1) % period : std::min(j + 1, line - 1)));
+      if (!count) return;
+      ua[row + j] = sum / count;
+      known_a[row + j] = mark;
+    };
+    fill(0);
+    index j = 1;
+    for (; j + word <= line - 1; j += word) {  // entries that are not known but touch one that is, if any
+      const std::uint8_t* here = known_a + row + j;
+      std::uint64_t around = word_at(here - 1) | word_at(here + 1);
+      for (index side : beside) around |= word_at(known_a + side + j);
+      if (around == 0 || !has_zero(word_at(here))) continue;
+      for (index i = j; i < j + word; ++i) fill(i);
     }
-    parallel_for_grid(g.faces(a), [=](index f) { ua[f] = known_a[f] ? ua[f] : 0.0; });
-  }
+    for (; j < line - 1; ++j) fill(j);
+    fill(line - 1);
+  };
+  const auto operation = [=](int k, index from, index to) {  // a layer more; after the last, what is left is 0
+    for (int a = 0; a < D; ++a) {
+      const auto shape = g.face_shape(a);
+      const index line = shape[up], rows = g.faces(a) / line / shape[0];  // in a slice
+      const index end = std::min(to, shape[0]) * rows;
+      for (index r = from * rows; r < end && k < layers; ++r) layer_of(a, r, k + 1);
+      for (index f = from * rows * line; f < end * line && k == layers; ++f) u[a][f] = known[a][f] ? u[a][f] : 0.0;
+    }
+  };
+  const index slices = g.shape[0] + 1;
+  const auto bound = [=](int s, int shares) { return slices * s / shares; };
+  if (g.periodic[0])
+    for (int k = 0; k <= layers; ++k) parallel_for_shares(slices, bound, [=](index i) { operation(k, i, i + 1); }, 16);
+  else
+    parallel_in_turn(slices, layers + 1, D * (layers + 1) * g.cells(), bound, operation);
   close_periodic(g, u);
 }
 

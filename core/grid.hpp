@@ -73,6 +73,22 @@ inline index inside(index i, index n, bool periodic) {
   return i;
 }
 
+// Calls body(axis, first, end) with the faces of every axis, slice by slice across the first: those numbered first to
+// end - 1 are in one slice.
+template <int D, class Body>
+inline void parallel_for_face_slices(const Grid<D>& g, Body body) {
+  parallel_for_grid(
+      g.shape[0] + 1,
+      [=](index i) {
+        for (int a = 0; a < D; ++a) {
+          if (a > 0 && i == g.shape[0]) continue;
+          const index slice = g.faces(a) / g.face_shape(a)[0];
+          body(a, i * slice, (i + 1) * slice);
+        }
+      },
+      std::max<index>(1, 2048 * g.shape[0] / g.cells()));
+}
+
 template <int D, class Real = double>
 struct Faces {  // the D face fields of one quantity
   std::array<Real*, D> data{};

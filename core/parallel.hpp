@@ -85,20 +85,22 @@ inline void parallel_for(index n, const Body& body, index grain = 1024) {
   parallel_for_shares(n, [=](int s, int shares) { return n * s / shares; }, body, grain);
 }
 
-// The same for what lies along the first axis of the grid: cells, faces, rows of them. Cut where the particles are cut.
+// Where share s of what lies along the first axis of the grid begins, n pieces in all: where the particles are cut.
+inline index grid_bound(index n, int s, int shares) {
+  const Team& team = Team::shared();
+  if (s == 0 || s == shares) return s == 0 ? index{0} : n;
+  const double share = static_cast<double>(s) / shares;
+  int i = 1;
+  while (i < Team::places && team.share_before(i) < share) ++i;
+  const double low = team.share_before(i - 1), high = team.share_before(i);
+  const double part = high > low ? std::clamp((share - low) / (high - low), 0.0, 1.0) : 0.0;
+  return static_cast<index>(static_cast<double>(n) * (i - 1 + part) / Team::places);
+}
+
+// The same for what lies along the first axis of the grid: cells, faces, rows of them.
 template <class Body>
 inline void parallel_for_grid(index n, const Body& body, index grain = 1024) {
-  const Team& team = Team::shared();
-  const auto bound = [&team, n](int s, int shares) {
-    if (s == 0 || s == shares) return s == 0 ? index{0} : n;
-    const double share = static_cast<double>(s) / shares;
-    int i = 1;
-    while (i < Team::places && team.share_before(i) < share) ++i;
-    const double low = team.share_before(i - 1), high = team.share_before(i);
-    const double part = high > low ? std::clamp((share - low) / (high - low), 0.0, 1.0) : 0.0;
-    return static_cast<index>(static_cast<double>(n) * (i - 1 + part) / Team::places);
-  };
-  parallel_for_shares(n, bound, body, grain);
+  parallel_for_shares(n, [n](int s, int shares) { return grid_bound(n, s, shares); }, body, grain);
 }
 
 // The same for iterations of unequal work.
@@ -121,6 +123,38 @@ inline void parallel_for_coloured(index n, int colours, Colour colour, Place pla
     for (index i = 0; i < n; ++i) many += colour(i) == now;
     if (many < 2 || shares < 2 || !team.run(loop_of(pass, 1, shares), bound)) run_share(0, n, pass);
   }
+}
+
+// Operations 0 .. count - 1 on every slice: op(k, from, to), on the slices from .. to - 1, reads what operation k - 1
+// has left in them and in those beside them; that k has been there as well must not matter. bound(s, shares): where the
+// share s of the slices begins. work: of all operations together, in iterations of a small loop.
+//
+// A block of slices goes through all operations, one block per thread, without waiting for the others. With every
+// operation it leaves out one slice more towards its neighbours: the wedge between two blocks is done when both are.
+// Slices too few for that are gone through operation by operation.
+template <class Bound, class Op>
+inline void parallel_in_turn(index slices, int count, index work, Bound bound, const Op& op) {
+  constexpr index enough = 2048, most = 64;  // work in a block; blocks
+  const index narrowest = 2 * count, wanted = std::min<index>({get_threads(), most, work / enough});
+  const index blocks = std::max<index>(1, std::min(wanted, slices / (2 * narrowest)));
+  if (blocks < wanted && work > 64 * count * enough) {
+    for (int k = 0; k < count; ++k) parallel_for_shares(slices, bound, [=](index i) { op(k, i, i + 1); }, 1);
+    return;
+  }
+  std::array<index, most + 1> start{};
+  for (index b = 1; b < blocks; ++b)
+    start[b] = std::clamp<index>(bound(static_cast<int>(b), static_cast<int>(blocks)), start[b - 1] + narrowest,
+                                 slices - (blocks - b) * narrowest);
+  start[blocks] = slices;
+  const auto part = [=](index q) {  // even: block, odd: wedge; operation k on the slices from + k a .. to + k b - 1
+    const bool wedge = q % 2 == 1;
+    const index from = start[(q + 1) / 2], to = wedge ? from : start[q / 2 + 1];
+    const index a = wedge ? -1 : from > 0, b = wedge ? 1 : -(to < slices);
+    for (int k = 0; k < count; ++k) op(k, from + k * a, to + k * b);
+  };
+  const auto colour = [](index q) { return static_cast<int>(q % 2); };
+  const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks - 1); };
+  parallel_for_coloured(2 * blocks - 1, 2, colour, place, part);
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.
@@ -197,6 +231,19 @@ inline void counting_sort(index n, index keys, const std::int32_t* key, std::int
   std::array<std::int32_t, most + 1> held{};  // entries in the shares before it
   for (index s = 1; s < shares; ++s) bound[s] = std::max<index>(bound[s - 1], key[n * s / shares]);
   bound[shares] = keys;
+  constexpr index block = 512;
+  const index blocks = (n + block - 1) / block;
+  std::vector<std::pair<std::int32_t, std::int32_t>> found(static_cast<std::size_t>(blocks), {0, keys});
+  auto* range = found.data();  // least and largest key of each block
+  if (shares > 1)
+    parallel_for(
+        blocks,
+        [=](index b) {
+          const auto ends = std::minmax_element(key + b * block, key + std::min(n, (b + 1) * block));
+          range[b] = {*ends.first, *ends.second};
+        },
+        8);
+  const auto meets = [=](index b, index first, index end) { return range[b].second >= first && range[b].first < end; };
   std::int32_t* in_share = held.data() + 1;
   parallel_for(
       shares,
@@ -204,8 +251,9 @@ inline void counting_sort(index n, index keys, const std::int32_t* key, std::int
         const index first = bound[s], end = bound[s + 1];
         std::fill(start + first, start + end, 0);
         std::int32_t count = 0;
-        for (index i = 0; i < n; ++i)
-          if (key[i] >= first && key[i] < end) ++start[key[i]], ++count;
+        for (index b = 0; b < blocks; ++b)
+          for (index i = b * block; meets(b, first, end) && i < std::min(n, (b + 1) * block); ++i)
+            if (key[i] >= first && key[i] < end) ++start[key[i]], ++count;
         in_share[s] = count;
       },
       1);
@@ -216,8 +264,9 @@ inline void counting_sort(index n, index keys, const std::int32_t* key, std::int
         const index first = bound[s], end = bound[s + 1];
         std::int32_t next = held[s];
         for (index k = first; k < end; ++k) start[k] = next += start[k];  // end of the key, until it is filled
-        for (index i = n - 1; i >= 0; --i)                                // from its end
-          if (key[i] >= first && key[i] < end) order[--start[key[i]]] = static_cast<std::int32_t>(i);
+        for (index b = blocks - 1; b >= 0; --b)                           // from its end
+          for (index i = std::min(n, (b + 1) * block) - 1; meets(b, first, end) && i >= b * block; --i)
+            if (key[i] >= first && key[i] < end) order[--start[key[i]]] = static_cast<std::int32_t>(i);
       },
       1);
   start[keys] = static_cast<std::int32_t>(n);

@@ -274,44 +274,21 @@ struct Slices {  // across the first axis
 
 // Operations 0 .. count - 1 on every pencil: op(k, slices) reads what operation k - 1 has left in these slices and in
 // those beside them. before(k) is called before operation k where pencils meet across a periodic end.
-//
-// Where none do, a block of slices goes through all operations, one block per thread, without waiting for the others.
-// With every operation it leaves out one slice more towards its neighbours: the wedge between two blocks is done when
-// both are.
 template <int D, class Before, class Op>
 inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
   const Pencil* rows = l.rows.data();
   const index* slice = l.slice.data();
   const auto run = [=](int k, index from, index to) { op(k, Slices{from, to, rows + slice[from], rows + slice[to]}); };
   const index slices = l.n[0], entries = l.load[slices];
-  if (l.wrapped()) {
-    const auto place = [load = l.load.data(), part = l.part()](index i) { return part * static_cast<double>(load[i]); };
-    const index grain = std::max<index>(1, l.grain * slices / l.pencils);
-    for (int k = 0; k < count; ++k) {
-      before(k);
-      parallel_for_placed(slices, place, [=](index i) { run(k, i, i + 1); }, grain);
-    }
-    return;
-  }
-  constexpr index enough = 2048, most = 64;  // entries in a block, over all operations; blocks
-  const index narrowest = 2 * count;
-  const index blocks =
-      std::max<index>(1, std::min<index>({get_threads(), most, slices / (2 * narrowest), count * entries / enough}));
-  std::array<index, most + 1> bound{};
-  for (index b = 1; b < blocks; ++b) {  // equal work
-    const auto place = std::lower_bound(l.load.begin(), l.load.end(), entries * b / blocks) - l.load.begin();
-    bound[b] = std::clamp<index>(place, bound[b - 1] + narrowest, slices - (blocks - b) * narrowest);
-  }
-  bound[blocks] = slices;
-  const auto part = [=](index q) {  // even: block, odd: wedge; operation k on the slices [from + k a, to + k b)
-    const bool wedge = q % 2 == 1;
-    const index from = bound[(q + 1) / 2], to = wedge ? from : bound[q / 2 + 1];
-    const index a = wedge ? -1 : from > 0, b = wedge ? 1 : -(to < slices);
-    for (int k = 0; k < count; ++k) run(k, from + k * a, to + k * b);
+  const auto bound = [&](int s, int shares) {  // equal work
+    return std::lower_bound(l.load.begin(), l.load.end(), entries * s / shares) - l.load.begin();
   };
-  const auto colour = [](index q) { return static_cast<int>(q % 2); };
-  const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks - 1); };
-  parallel_for_coloured(2 * blocks - 1, 2, colour, place, part);
+  if (!l.wrapped()) return parallel_in_turn(slices, count, count * entries, bound, run);
+  const index grain = std::max<index>(1, l.grain * slices / l.pencils);
+  for (int k = 0; k < count; ++k) {
+    before(k);
+    parallel_for_shares(slices, bound, [=](index i) { run(k, i, i + 1); }, grain);
+  }
 }
 
 // Copies what lies beyond the periodic ends (of one axis, or of all) into the ghost entries of one colour.

@@ -218,7 +218,7 @@ class Flow:
 
     def crossed(self, speed: FloatArray) -> float:
         """Cells crossed in a second at this speed along each axis [m/s]."""
-        return float(np.max(speed / self.grid.spacing))
+        return float(max(v / h for v, h in zip(speed, self.grid.spacing, strict=True)))
 
     def max_pore_speed(self) -> FloatArray:
         """Largest |u_d| / n of the particles along each axis [m/s]."""

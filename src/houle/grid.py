@@ -6,6 +6,7 @@ asked for, changed per axis by the least that makes a whole number of cells fill
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -52,7 +53,7 @@ class Grid:
     @property
     def cell_volume(self) -> float:
         """[m^d]"""
-        return float(np.prod(self.spacing))
+        return math.prod(self.spacing)
 
     def face_shape(self, axis: int) -> tuple[int, ...]:
         return tuple(n + (a == axis) for a, n in enumerate(self.shape))
