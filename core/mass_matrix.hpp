@@ -122,8 +122,8 @@ class MassMatrix {
     const Row* rows = rows_.data();
     const index nodes = nodes_;
     double* store = store_;
-    parallel_for(nodes, [=](index k) {
-      for (int l = 0; l <= links; ++l) store[l * nodes + k] = 0.0;
+    each_row([=](index, const Row& row, index) {
+      for (int l = 0; l <= links; ++l) std::fill_n(store + l * nodes + row.first, row.height, 0.0);
     });
     each_slab(g, cloud.start, [=](index begin, index end) {
       for (index p = begin; p < end; ++p) {
