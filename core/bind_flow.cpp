@@ -187,7 +187,7 @@ static void bind(nb::module_& m) {
   m.def(
       "project",
       [](G g, Mask active, Field depth, FloatFaceFields open, FaceFields mobility, double step, Field p, double least,
-         FaceFields u, std::vector<Mask> valid) {
+         FaceFields u, std::vector<Mask> valid, bool still) {
         require_cells(g, active.size(), "active");
         require_cells(g, depth.size(), "depth");
         require_cells(g, p.size(), "pressure");
@@ -196,10 +196,10 @@ static void bind(nb::module_& m) {
         const auto uu = faces_of(g, u, "velocity");
         const auto v = masks_of(g, valid);
         nb::gil_scoped_release release;
-        project<D>(g, active.data(), depth.data(), o, mo, step, p.data(), least, uu, v);
+        project<D>(g, active.data(), depth.data(), o, mo, step, p.data(), least, uu, v, still);
       },
       "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "step"_a, "pressure"_a, "least"_a, "u"_a, "valid"_a,
-      "Takes the pressure gradient off the faces of the water, in place.");
+      "still"_a = false, "Takes the pressure gradient off the faces of the water, in place; still: u was 0.");
   m.def(
       "max_divergence",
       [](G g, Mask active, FloatFaceFields open, FaceFields u) {
@@ -420,6 +420,13 @@ static void bind_sums(nb::module_& m) {
                                : list(max_speed<3>(n, u.data(), volume.data(), bulk.data()));
       },
       "u"_a, "volume"_a, "bulk"_a, "Largest pore speed along each axis [m/s].");
+  m.def(
+      "total",
+      [](Field value) {
+        nb::gil_scoped_release release;
+        return total(static_cast<index>(value.size()), value.data());
+      },
+      "value"_a, "Sum, in blocks: the same for any threads.");
   m.def(
       "weighted_sum",
       [](Field weight, Field value, index column) {

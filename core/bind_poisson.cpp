@@ -20,13 +20,16 @@ static void bind_solver(nb::module_& m, const char* name) {
           "active"_a, "k"_a, "e"_a)
       .def(
           "solve",
-          [](Solver& s, Array<const double> rhs, Array<double> p, double tolerance, int max_iterations) {
+          [](Solver& s, Array<const double> rhs, Array<double> p, double tolerance, int max_iterations,
+             std::optional<Array<float>> guess) {
             require_cells(s.grid(), rhs.size(), "rhs");
             require_cells(s.grid(), p.size(), "p");
-            const SolveResult r = s.solve(rhs.data(), p.data(), tolerance, max_iterations);
+            if (guess) require_cells(s.grid(), guess->size(), "guess");
+            const SolveResult r =
+                s.solve(rhs.data(), p.data(), tolerance, max_iterations, guess ? guess->data() : nullptr);
             return std::pair(r.iterations, r.residual);
           },
-          "rhs"_a, "p"_a, "tolerance"_a, "max_iterations"_a)
+          "rhs"_a, "p"_a, "tolerance"_a, "max_iterations"_a, "guess"_a = nb::none())
       .def_prop_ro("buffers", &Solver::buffers, "Addresses and sizes of the work arrays: they never change.")
       .def_prop_ro("closed_components", &Solver::closed_components);
 }

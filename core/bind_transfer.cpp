@@ -43,16 +43,18 @@ static void bind(nb::module_& m) {
       "Stable order of the particles by cell: order (N,), start (cells + 1,); cell (N,) is work space.");
   m.def(
       "scatter_cells",
-      [](G g, Array<std::int32_t> start, Field x, Field amount, Field out, OptionalField paddles) {
+      [](G g, Array<std::int32_t> start, Field x, Field amount, Field out, OptionalField paddles,
+         OptionalField factor) {
         const index n = points_of<D>(x, "position");
         require_size(amount.size(), n, "amount");
         require_start(g, start, n);
         require_cells(g, out.size(), "out");
+        if (factor) require_cells(g, factor->size(), "factor");
         nb::gil_scoped_release release;
-        scatter_cells<D>(g, start.data(), x.data(), amount.data(), paddles_of(paddles), out.data());
+        scatter_cells<D>(g, start.data(), x.data(), amount.data(), paddles_of(paddles), pointer(factor), out.data());
       },
-      "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a, "paddles"_a = nb::none(),
-      "Tent-weighted sums of a particle amount at cell centres.");
+      "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a, "paddles"_a = nb::none(), "factor"_a = nb::none(),
+      "Tent-weighted sums of a particle amount at cell centres, times a factor of the cells.");
   m.def(
       "gather_cells",
       [](G g, Field x, Field field, Field out) {

@@ -266,12 +266,12 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
 }
 
 // Takes the pressure gradient off the faces that touch an active cell, and closes the others (16). In place on u =
-// star. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else 0. mobility null:
-// `step`.
+// star, which is 0 if still. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else
+// 0. mobility null: `step`.
 template <int D>
 inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D, float> open,
                     ConstFaces<D> mobility, double step, const double* p, double least, Faces<D> u,
-                    const std::array<std::uint8_t*, D>& valid) {
+                    const std::array<std::uint8_t*, D>& valid, bool still) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   for (int a = 0; a < D; ++a) {
@@ -305,6 +305,7 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
           const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
           const index first = r * line;
           std::fill(known + first, known + first + line, std::uint8_t{0});
+          if (still) std::fill(ua + first, ua + first + line, 0.0);
           if (a == up) {
             const index row = r * nz, top = top_of(active + row, nz);
             for (index k = 1; k <= std::min(top, nz - 1); ++k) face(first + k, row + k - 1, row + k);

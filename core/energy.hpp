@@ -17,6 +17,30 @@ inline double sum_by_four(index n, Term term) {
   });
 }
 
+// Sum of all, in blocks and then in pairs: hundreds of thousands of volumes are added with an error of a few
+// round-offs.
+inline double total(index n, const double* value) {
+  constexpr index block = 1024, lanes = 8;
+  const index blocks = (n + block - 1) / block;
+  std::vector<double> part(static_cast<std::size_t>(blocks), 0.0);
+  double* parts = part.data();
+  parallel_for(
+      blocks,
+      [=](index b) {
+        double lane[lanes] = {};
+        const index end = std::min(n, (b + 1) * block);
+        index i = b * block;
+        for (; i + lanes <= end; i += lanes)
+          for (index k = 0; k < lanes; ++k) lane[k] += value[i + k];
+        for (; i < end; ++i) lane[i % lanes] += value[i];
+        parts[b] = ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
+      },
+      4);
+  for (index apart = 1; apart < blocks; apart *= 2)
+    for (index b = 0; b + apart < blocks; b += 2 * apart) parts[b] += parts[b + apart];
+  return blocks > 0 ? parts[0] : 0.0;
+}
+
 // 1/2 sum_p (V/n) J |u_d|^2, J = C_r/n: the energy whose rate is the work of forces less the drag, per unit density.
 // bulk (n,) V/n; inertia (n,) J at the particles, null in clear water.
 template <int D>

@@ -60,8 +60,12 @@ class PressureSolver {
   }
 
   // p: in the first guess, out the solution. Stops when the max-norm of the residual is at most `tolerance`.
-  SolveResult solve(const double* rhs, double* p, double tolerance, int max_iterations) {
-    load(p, rhs);
+  // guess (cells), if not null: first guess in place of p, and out the solution as well.
+  SolveResult solve(const double* rhs, double* p, double tolerance, int max_iterations, float* guess = nullptr) {
+    if (guess)
+      load(guess, rhs);
+    else
+      load(p, rhs);
     components_.remove_means(b_);
     components_.remove_means(x_);
     scale_ = 1;
@@ -92,7 +96,7 @@ class PressureSolver {
     }
     components_.remove_means(x_);
     if (!exact || closed_components() > 0) norm = true_residual();
-    store(p);
+    store(p, guess);
     if (!std::isfinite(norm)) forget();
     return {norm <= tolerance ? iterations : -1, norm};
   }
@@ -218,7 +222,8 @@ class PressureSolver {
       for (auto* f : {&level.x, &level.b, &level.r}) std::fill(f->store.begin(), f->store.end(), Real(0));
   }
 
-  void load(const double* p, const double* rhs) {  // the first guess, the right-hand side
+  template <class Number>
+  void load(const Number* p, const double* rhs) {  // the first guess, the right-hand side
     auto* self = this;
     const index n = grid_.shape[D - 1];
     parallel_for_grid(
@@ -232,7 +237,8 @@ class PressureSolver {
             const index end = std::min<index>(row.end, (n - s + 1) / 2);
             const Real* inverse = self->levels_[0].inverse.c[c] + row.at;
             double *x = self->x_.c[c] + row.at, *b = self->b_.c[c] + row.at;
-            const double *guess = p + r * n + s, *source = rhs + r * n + s;
+            const Number* guess = p + r * n + s;
+            const double* source = rhs + r * n + s;
             HOULE_INDEPENDENT
             for (index m = row.begin; m < end; ++m) {
               const double g = guess[2 * m], f = source[2 * m];
@@ -244,7 +250,7 @@ class PressureSolver {
         fine().grain);
   }
 
-  void store(double* to) {
+  void store(double* to, float* single) {
     auto* self = this;
     const index n = grid_.shape[D - 1];
     parallel_for_grid(
@@ -262,6 +268,7 @@ class PressureSolver {
             HOULE_INDEPENDENT
             for (index m = row.begin; m < end; ++m) target[2 * m + s] = x[m];
           }
+          if (single) std::copy(target, target + n, single + p * n);
         },
         fine().grain);
   }

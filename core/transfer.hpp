@@ -102,9 +102,10 @@ inline void each_image(const Grid<D>& g, const Paddles& paddles, const double* x
 
 // Sums over particles of weight * amount to cell centres with the tent kernel, walls folded: out (cells), overwritten.
 // What is near a wall between the faces counts for its image too, so that full water is full up to the wall.
+// factor (cells): by which the sums are multiplied; null: 1.
 template <int D>
 inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
-                          const Paddles& paddles, double* out) {
+                          const Paddles& paddles, const double* factor, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for_grid(g.cells(), [=](index c) { out[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
@@ -119,6 +120,7 @@ inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const dou
       each_image(g, paddles, x + D * p, add);
     }
   });
+  if (factor) parallel_for_grid(g.cells(), [=](index c) { out[c] *= factor[c]; });
 }
 
 // Cell field at particle positions, (bi/tri)linear with walls folded: out (n,).

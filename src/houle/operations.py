@@ -63,11 +63,11 @@ def find_surface(flow: Flow) -> None:
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
     open_cells = flow.medium.listed("open_cells")
-    _core.scatter_cells(core, flow.start, position, flow.particles.volume, flow.fill, flow.walls)
-    _core.column_heights(core, flow.start, position, flow.particles.volume, flow.level, flow.walls)
+    volume = flow.particles.volume
+    _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity)
+    _core.column_heights(core, flow.start, position, volume, flow.level, flow.walls)
     if flow.porous:
         flow.level /= flow.column_porosity
-    flow.fill *= flow.inverse_capacity
     _core.column_levels(core, flow.fill, flow.inverse_capacity, mixed.column, mixed.start, mixed.pieces, flow.level)
     _core.find_surface(
         core, flow.fill, open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
@@ -261,17 +261,13 @@ def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
             work.rhs[paddle.column] *= paddle.share
         largest = float(max(work.rhs.max(), -work.rhs.min()))
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)
-    potential = work.potential
-    potential[...] = flow.psi
-    iterations = work.solver.solve(work.rhs, potential, max(1e-2 * largest, 1e-9), 50)[0]
-    flow.psi[...] = potential
+    tolerance = max(1e-2 * largest, 1e-9)
+    iterations = work.solver.solve(work.rhs, work.potential, tolerance, 50, flow.psi)[0]
     ledger.note(correction_iterations=iterations)
     displacement = work.coefficient
-    for f in displacement:
-        f[...] = 0.0
     _core.project(
-        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, potential, LEAST_DEPTH_CORRECTION,
-        displacement, work.valid,
+        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, work.potential, LEAST_DEPTH_CORRECTION,
+        displacement, work.valid, still=True,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity, position = flow.listed("particle_porosity"), flow.particles.position

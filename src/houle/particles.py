@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from houle import _core
 from houle.grid import FloatArray, Grid
 
 
@@ -24,7 +25,7 @@ class Particles:
     @property
     def total_volume(self) -> float:
         """[m^d]"""
-        return float(np.sum(self.volume))
+        return _core.total(self.volume)
 
     def depths(self, grid: Grid) -> FloatArray:
         """Water over the plan area of each column of cells, grid.shape[:-1] [m]."""
