@@ -44,9 +44,31 @@ inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, 
   });
 }
 
+// Shear stress of a smooth wall on water that runs along it with speed v at distance y, over its density [m2/s2]: that
+// of the viscous sublayer, nu v / y, or where y lies above it that of the law of the wall, v / v_* = ln(9.8 y v_*/nu) /
+// 0.41 (Nikuradse 1932; as in Launder & Spalding 1974, Comput. Methods Appl. Mech. Eng. 3, 269).
+inline double wall_shear(double v, double y, double nu) {
+  constexpr double karman = 0.41, smooth = 9.8, sublayer = 11.53;  // y v_*/nu where both laws meet
+  if (nu <= 0.0) return 0.0;
+  const double re = std::abs(v) * y / nu;
+  if (!(re > sublayer * sublayer)) return nu * v / y;
+  double s = sublayer;  // y v_*/nu: root of s ln(9.8 s) = karman re, convex, by Newton's method
+  for (int k = 0; k < 8; ++k) {
+    const double l = std::log(smooth * s);
+    s = (karman * re + s) / (l + 1.0);
+  }
+  return v * std::abs(v) * (s / re) * (s / re);
+}
+
+// Water that runs along a wall in a sheet thinner than a cell: thickness in cells that counts at least. Thinner ones
+// would ask for shorter steps.
+constexpr double thinnest_sheet = 0.25;
+
 // acceleration = nu lap(u_d) / n on the faces (13), second order, zero gradient towards empty faces.
-// no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water (ghost value -u), else it slips.
-// nu (cells, null: `molecular`), porosity (cells, null: 1), mass (faces) and the least mass of a face that holds water.
+// no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water, else it slips. A wall that does
+// shears the water in the cells beside it, or the thinner sheet that there is: in porous bodies with the gradient to
+// the wall, in clear water as wall_shear() says. nu (cells, null: `molecular`), porosity (cells, null: 1), mass (faces)
+// and the least mass of a face that holds water.
 template <int D>
 inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
                                  const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
@@ -79,30 +101,33 @@ inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D
           for (index k = 0; k < line; ++k) {
             const index f = row + k;
             if (m[f] <= least || (a == up && !g.periodic[up] && (k == 0 || k == nz))) continue;
-            double laplacian = 0.0;
+            const index cl = a == up ? low + inside(k - 1, nz, true) : low + k, ch = a == up ? high + k % nz : high + k;
+            const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
+            const double nu_f = nu ? 0.5 * (nu[cl] + nu[ch]) : molecular;
+            double laplacian = 0.0, wall = 0.0;
             each_of<D>([&](auto axis_b) {
               constexpr int b = decltype(axis_b)::value;
+              index near[2];
               for (int s = 0; s < 2; ++s) {
-                index n;
                 bool end;  // the neighbour is a face of the wall across a
                 if constexpr (b == up) {
                   const index j = g.periodic[up] ? inside(k + (s ? 1 : -1), nz, true) : k + (s ? 1 : -1);
-                  n = j < 0 || j >= line ? -1 : row + j;
+                  near[s] = j < 0 || j >= line ? -1 : row + j;
                   end = a == up && !g.periodic[up] && (j == 0 || j == nz);
                 } else {
-                  n = beside[2 * b + s] < 0 ? -1 : beside[2 * b + s] + k;
+                  near[s] = beside[2 * b + s] < 0 ? -1 : beside[2 * b + s] + k;
                   end = a == b && !g.periodic[b] && (s ? i[b] + 1 == g.shape[b] : i[b] == 1);
                 }
-                if (n < 0) {  // a wall along which this component runs
-                  if (hold[2 * b + s]) laplacian -= 2.0 * v[f] * inverse_h2[b];
-                } else if (m[n] > least || end) {
-                  laplacian += (v[n] - v[f]) * inverse_h2[b];
-                }
+                if (near[s] >= 0 && (m[near[s]] > least || end)) laplacian += (v[near[s]] - v[f]) * inverse_h2[b];
+              }
+              for (int s = 0; s < 2; ++s) {
+                if (near[s] >= 0 || !hold[2 * b + s]) continue;  // no wall along which this component runs
+                const double held = (m[f] + (near[1 - s] < 0 ? m[f] : m[near[1 - s]])) / g.cell_volume();
+                const double sheet = std::clamp(held, thinnest_sheet, 1.0) * g.h[b];
+                wall += n < 1.0 ? 2.0 * nu_f * v[f] * inverse_h2[b] : wall_shear(v[f], 0.5 * sheet, molecular) / sheet;
               }
             });
-            const index cl = a == up ? low + inside(k - 1, nz, true) : low + k, ch = a == up ? high + k % nz : high + k;
-            const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
-            o[f] = (nu ? 0.5 * (nu[cl] + nu[ch]) : molecular) * laplacian / n;
+            o[f] = (nu_f * laplacian - wall) / n;
           }
         },
         16);

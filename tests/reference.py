@@ -11,6 +11,7 @@ from math import exp, floor, isnan, sqrt
 
 import numpy as np
 from scipy.ndimage import maximum_filter
+from scipy.optimize import brentq
 
 from houle.moments import Measure, with_tent
 from houle.porous import partition
@@ -311,29 +312,46 @@ def eddy_viscosity(grid, u, molecular, constant):
     return molecular + width**2 * np.sqrt(2.0 * np.sum(strain**2, axis=(0, 1)))
 
 
-def viscous_acceleration(grid, u, mass, least, nu, porosity, no_slip):
-    """nu lap(u) / n on the faces that hold water; no gradient towards the others; u = 0 at no-slip walls."""
+def wall_shear(v, y, nu):
+    """v_*^2 of the law of the wall or of the viscous sublayer, whichever gives the lower v_* y / nu at this v."""
+    if nu <= 0.0:
+        return 0.0
+    re = abs(v) * y / nu
+    if re <= 11.53**2:
+        return nu * v / y
+    s = brentq(lambda s: s * np.log(9.8 * s) - 0.41 * re, 1.0, re, xtol=1e-14, rtol=1e-14)
+    return v * abs(v) * (s / re) ** 2
+
+
+def viscous_acceleration(grid, u, mass, least, molecular, nu, porosity, no_slip):
+    """nu lap(u) / n on the faces that hold water; no gradient towards the others; the shear of no-slip walls."""
     out = grid.faces()
     for a in range(grid.dimension):
         for i in np.ndindex(*grid.face_shape(a)):
             low, high = beside(grid, a, i)
             if mass[a][i] <= least or low is None or high is None:
                 continue
-            laplacian = 0.0
+            laplacian = wall = 0.0
+            n = 1.0 if porosity is None else 0.5 * (porosity[low] + porosity[high])
             for b, h in enumerate(grid.spacing):
                 for s in (-1, 1):
-                    j = list(i)
+                    j, across = list(i), list(i)
                     j[b] += s
+                    across[b] -= s
                     if grid.periodic[b]:
                         j[b] %= grid.shape[b]
                     if not 0 <= j[b] < u[a].shape[b]:  # behind a wall
-                        laplacian -= 2.0 * u[a][i] / h**2 if no_slip[b][s > 0] else 0.0
+                        if not no_slip[b][s > 0]:
+                            continue
+                        inner = mass[a][tuple(across)] if 0 <= across[b] < u[a].shape[b] else mass[a][i]
+                        sheet = min(max((mass[a][i] + inner) / grid.cell_volume, 0.25), 1.0) * h
+                        linear = (nu[low] + nu[high]) * u[a][i] / h**2
+                        wall += wall_shear(u[a][i], 0.5 * sheet, molecular) / sheet if n == 1.0 else linear
                         continue
                     at_wall = b == a and not grid.periodic[a] and j[a] in (0, grid.shape[a])
                     if mass[a][tuple(j)] > least or at_wall:
                         laplacian += (u[a][tuple(j)] - u[a][i]) / h**2
-            n = 1.0 if porosity is None else 0.5 * (porosity[low] + porosity[high])
-            out[a][i] = 0.5 * (nu[low] + nu[high]) * laplacian / n
+            out[a][i] = (0.5 * (nu[low] + nu[high]) * laplacian - wall) / n
     return out
 
 

@@ -103,7 +103,8 @@ class Case(Table):
     @property
     def viscous_step(self) -> float:
         """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
-        return longest_step(self.domain.grid, self.fluid.viscosity, self.numerics.scheme == "jh2020")
+        held = any(map(any, self.domain.walls.no_slip(self.dimension)))
+        return longest_step(self.domain.grid, self.fluid.viscosity, self.numerics.scheme == "jh2020", held)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, tables and numbers as a file would hold them, defaults written out; `load` reads it back."""
