@@ -47,6 +47,17 @@ def test_liu_with_the_local_keulegan_carpenter_number(material, b):
     assert LAWS["liu-1999"](n, d, NU, kc=kc)[1] == pytest.approx(b, rel=0.003)
 
 
+@pytest.mark.parametrize("period", [0.5, 1.0, 3.0])
+@pytest.mark.parametrize("speed", [0.01, 0.1, 0.7])
+def test_liu_with_keulegan_carpenter_numbers_where_the_water_is(speed, period):
+    """Drag is that of the number at this very velocity; 19.27 /s in the rock at 1 s, by hand."""
+    n, d = ROCK
+    linear, quadratic = LAWS["liu-1999"](n, d, NU, period=period)
+    a, b = LAWS["liu-1999"](n, d, NU, kc=keulegan_carpenter(speed, n, d, period))
+    assert linear + quadratic * speed == pytest.approx(a + b * speed, rel=1e-12)
+    assert LAWS["liu-1999"](n, d, NU, period=1.0)[0] == pytest.approx(19.27, abs=0.01)
+
+
 def test_keulegan_carpenter_floors():
     assert keulegan_carpenter(0.0, 0.5, 0.02) == pytest.approx(1.0)  # 0.01 m/s times 1 s over 0.01 m
     assert keulegan_carpenter(-0.1, 0.5, 0.02, period=2.0) == pytest.approx(20.0)

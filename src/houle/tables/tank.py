@@ -189,6 +189,9 @@ class Resistance(Table):
     alpha: float | None = Field(default=None, ge=0, le=1e5, description="linear coefficient of the law [-]")
     beta: float | None = Field(default=None, ge=0, le=1e3, description="quadratic coefficient of the law [-]")
     kc: float | None = Field(default=None, gt=0, description="Keulegan-Carpenter number, left out in steady flow [-]")
+    period: float | None = Field(
+        default=None, gt=0, description="of the waves, 1 s without: KC where the water is, instead of kc [s]"
+    )
     a: float | None = Field(
         default=None, ge=0, description="canonical linear coefficient, drag = a u_d + b abs(u_d) u_d [1/s]"
     )
@@ -199,7 +202,7 @@ class Resistance(Table):
     @property
     def given(self) -> dict[str, float]:
         """Coefficients of the law that the file states itself."""
-        return {k: v for k in ("alpha", "beta", "kc") if (v := getattr(self, k)) is not None}
+        return {k: v for k in ("alpha", "beta", "kc", "period") if (v := getattr(self, k)) is not None}
 
     @model_validator(mode="after")
     def one_way(self) -> Resistance:
@@ -217,6 +220,10 @@ class Resistance(Table):
         extra = set(self.given) - set(LAWS[self.law].coefficients if self.law else {})
         if extra:
             raise ValueError(f"{min(extra)} does not belong to {self.law or 'coefficients given directly'}: remove it")
+        if self.kc is not None and self.period is not None:
+            raise ValueError(
+                f": kc = {self.kc:g} and period = {self.period:g} s are two ways to say the same; give one"
+            )
         return self
 
 

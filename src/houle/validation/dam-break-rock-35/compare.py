@@ -25,6 +25,9 @@ EDGES = np.linspace(0.0, WIDTH, 90)  # of the columns of 10 mm
 HALF_OPEN = 0.05  # s after the gate starts
 GATE = [{"x": 0.29, "speed": 3.5}]  # 0.35 m in the 0.1 s that the laboratory states
 JENSEN = {"porous.rock.resistance": {"law": "jensen-2014"}}  # 500, 2.0 and KC 128
+LIU = {
+    "porous.rock.resistance": {"law": "liu-1999", "period": 1.0}
+}  # the authors' own: 200, 1.1, KC where the water is
 
 VARIANTS = (
     Variant("dx-10-mm", {"domain.spacing": 0.01}),
@@ -34,7 +37,8 @@ VARIANTS = (
     Variant("gate", {"gate": GATE}, quick=False),
     Variant("jensen-dx-10-mm", {"domain.spacing": 0.01, **JENSEN}),
     Variant("jensen", JENSEN, quick=False),
-    Variant("liu-1999", {"porous.rock.resistance": {"law": "liu-1999", "kc": 12.8}}, quick=False),
+    Variant("liu-1999", LIU, quick=False),
+    Variant("liu-1999-gate", {"gate": GATE, **LIU}, quick=False),
     Variant("jh2020", {"numerics.scheme": "jh2020"}, quick=False),
 )
 
