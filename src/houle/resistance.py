@@ -30,10 +30,10 @@ def van_gent_1995(n: float, d: float, nu: float, alpha: float, beta: float, kc: 
 
 
 def liu_1999(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
-    """van_gent_1995, or, KC = |u_d| T/(n d) where the water is: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T).
+    """As van Gent with kc; with period T: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T), b = beta (1-n)/n^3 / d.
 
-    The share 7.5/KC of b |u_d| u_d is then linear. T = max(1 s, period), 1 s without waves. The authors' codes take KC
-    as at 0.01 m/s where the water is slower; there this is the larger drag.
+    That is KC = |u_d| T/(n d) where the water is: the share 7.5/KC of b |u_d| u_d is linear. T = max(1 s, period), 1 s
+    without waves. The authors' codes take KC as at 0.01 m/s where the water is slower; there this is the larger drag.
     """
     a, b = van_gent_1995(n, d, nu, alpha, beta, kc)
     return a + 7.5 * beta * (1 - n) / (n**2 * max(1.0, period)), b
@@ -98,7 +98,7 @@ class Law:
     @property
     def words(self) -> str:
         """The formula as one line: the head of the function's docstring."""
-        return (self.formula.__doc__ or "").strip()
+        return (self.formula.__doc__ or "").strip().split("\n\n")[0]
 
     def __call__(self, n: float, d: float, nu: float, **given: float) -> Pair:
         return self.formula(n, d, nu, **{**self.coefficients, **given})
