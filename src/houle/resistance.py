@@ -30,7 +30,7 @@ def van_gent_1995(n: float, d: float, nu: float, alpha: float, beta: float, kc: 
 
 
 def liu_1999(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
-    """As van Gent with kc; with period T: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T), b = beta (1-n)/n^3 / d.
+    """As van Gent with kc. With period T: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T), b = beta (1-n)/n^3/d.
 
     That is KC = |u_d| T/(n d) where the water is: the share 7.5/KC of b |u_d| u_d is linear. T = max(1 s, period), 1 s
     without waves. The authors' codes take KC as at 0.01 m/s where the water is slower; there this is the larger drag.
