@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass
 from time import perf_counter, process_time
 from typing import Any
 
-TIMES = 3
+TIMES = 5
 DOUBLE = 8  # bytes
 TRIAD_LENGTH = 1 << 23  # doubles per array: 64 MB, more than caches hold
 TRIAD_BLOCK = 1 << 16  # doubles per block: few enough to stay in a cache, enough to forget the interpreter
