@@ -77,6 +77,7 @@ class OpenSide:
     long_from: end of the zone from which long waves come back that it is to let through [m]; 0: none.
     outgoing: their elevation, smoothed over the time in which they cross the zone [m].
     excess: what flows in through the zone besides its wave, per width, after `drive` [m2/s].
+    shear (rows): of `speed`, what differs from its mean over the wet depth, but for the wave of a zone [m/s].
     """
 
     far: bool
@@ -97,10 +98,12 @@ class OpenSide:
     excess: float = 0.0
     speed: FloatArray = field(init=False)
     wet: FloatArray = field(init=False)
+    shear: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         rows = self.grid.shape[1:]
         self.speed, self.wet = np.zeros(rows), np.zeros(tuple(2 * n for n in rows))
+        self.shear = np.zeros(rows)
 
     @classmethod
     def of(
@@ -164,22 +167,51 @@ class OpenSide:
         self.wet = self._wet(level)
         shape = (*self.speed.shape[:-1], 1)
         depth = (self._depths() if self.grid.dimension == 3 else np.array(self._depths())).reshape(shape)
-        inwards = self._mean(middle, depth)
+        inwards = mean = self._mean(middle, depth)
         self.excess = float(np.mean(inwards * depth))
         if self.long_from > 0.0:
             self.excess -= float(np.mean(np.sqrt(self.gravity * depth))) * self._outgoing(flow, dt)
         if "level" in self.prescribed:
             inwards = inwards + self._towards_level(flow.time, dt, level, depth)
-        speed = np.broadcast_to(inwards, self.speed.shape)
+        self._carry_shear(flow, dt, float(np.mean(mean)))
+        speed = inwards + self.shear
         if self.wave is not None:
             z = self.grid.axis_points(self.grid.dimension - 1)
             u = self.wave.velocity_on(np.array([self.x]), z, middle)[0][0]
             speed = speed + self.sign * float(ramp(middle, self.wave_ramp)) * u
         self.speed = np.where((self.open > 0.0) & (depth > 0.0), speed, 0.0)
 
+    def _carry_shear(self, flow: Flow, dt: float, mean: float) -> None:
+        """Shear goes out with the water at the velocity -mean [m/s], or none comes in with it.
+
+        None in front of a relaxation zone: what it leads to the wave has no shear of its own.
+        """
+        if self.wave is not None:
+            return
+        share = -math.expm1(-abs(mean) * dt / self.grid.spacing[0])
+        one_in = self.face + (-1 if self.far else 1)
+        inside = self.sign * flow.velocity[0][one_in] if mean < 0.0 else 0.0
+        self.shear = self._off_mean(flow, (1.0 - share) * self.shear + share * inside)
+
+    def _off_mean(self, flow: Flow, u: FloatArray) -> FloatArray:
+        """What the velocities (rows) differ from their mean over the wet depth; above the surface as just below it."""
+        top = np.where(flow.active[self.cell] > 0, np.arange(u.shape[-1]), 0)
+        u = np.take_along_axis(u, np.maximum.accumulate(top, axis=-1), axis=-1)
+        weight = self._wet_rows() * self.open
+        wet = weight.sum(axis=-1, keepdims=True)
+        return np.where(wet > 0.0, u - (weight * u).sum(axis=-1, keepdims=True) / np.maximum(wet, 1e-300), 0.0)
+
+    def _wet_rows(self) -> FloatArray:
+        """Share of each face that is under water."""
+        pairs = [n for row in self.speed.shape for n in (row, 2)]
+        return self.wet.reshape(pairs).mean(axis=tuple(range(1, len(pairs), 2)))
+
     def rest(self, flow: Flow) -> None:
-        """Lets water pass as it moves inside, for the first pressure."""
+        """Lets water pass as it moves inside, for the first pressure; what goes out starts with its shear."""
         self.speed = self.sign * flow.velocity[0][self.face]
+        self.wet = self._wet(self.level(flow))
+        if self.wave is None and float(np.sum(self._wet_rows() * self.open * self.speed)) < 0.0:
+            self.shear = self._off_mean(flow, self.speed)
 
     def level(self, flow: Flow) -> FloatArray:
         """Level of the water at the side [m], (ny,) or () in 2D; 0 where dry."""

@@ -43,7 +43,7 @@ from houle.waves.table import Piston, Waves
 from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
 
-GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled")  # what state() has on cells and faces
+GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled", "open_shear")  # state() on cells and faces
 
 
 class Simulation:
@@ -382,6 +382,7 @@ class Simulation:
             **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
             **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
             **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
+            **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},
             **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
             **{f"paddle.{i}.memory": p.command.memory.copy() for i, p in enumerate(flow.paddles)},
             **self.observers.state(),
@@ -419,6 +420,7 @@ class Simulation:
                 self.step.transfer.arrays[name] = np.array(value)
         for i, side in enumerate(flow.sides):
             side.state = state[f"open.{i}"]
+            side.shear = np.array(state[f"open_shear.{i}"])
         self.observers.restore(state)
         for i, paddle in enumerate(flow.paddles):
             paddle.x = float(state[f"paddle.{i}.x"])

@@ -18,7 +18,7 @@ def channel(left, right, *, size=2.0, spacing=0.025, velocity=SPEED, scheme="hou
         {
             "case": {"name": "channel"},
             "domain": {"size": [size, 0.4], "spacing": spacing},
-            "water": [water or {"below": DEPTH, "velocity": [velocity, 0.0]}],
+            "water": water or [{"below": DEPTH, "velocity": [velocity, 0.0]}],
             "open": [{"side": "left", **left}, {"side": "right", **right}],
             "numerics": {"scheme": scheme},
             "time": {"end": 100.0},
@@ -51,6 +51,24 @@ def test_a_uniform_river_stays_uniform():
     inside = (x > 0.2) & (x < 1.8)
     assert sim.particles.velocity[inside, 0].mean() == pytest.approx(SPEED, rel=0.01)
     assert kept(sim) < 1e-14
+
+
+def test_a_sheared_river_leaves_as_it_came():
+    """Velocity linear over the depth, from 0.1 to 0.5 m/s: a side that let water out at 0.3 m/s all over the depth
+    would make it pile up, and the level inside fall by the mean of u'^2 / g, 1.4 mm, and more while it starts.
+    """
+    shear, layers = 0.4, 10
+    speeds = SPEED + shear * ((np.arange(layers) + 0.5) / layers - 0.5)
+    edges = np.linspace(0.0, DEPTH, layers + 1)
+    water = [
+        {"box": [[0.0, low], [2.0, high]], "velocity": [float(u), 0.0]}
+        for low, high, u in zip(edges[:-1], edges[1:], speeds, strict=True)
+    ]
+    sim = advance(channel({"velocity": SPEED}, {"level": DEPTH}, water=water), 0.6)
+    fall = shear**2 / 12 / 9.81
+    undisturbed = slice(40, 76)  # from 1.0 m, where the uniform water from the left has not come to, to 1.9 m
+    assert np.abs(sim.flow.eta[undisturbed] - DEPTH).max() < fall / 3
+    assert -sim.flow.sides[1].speed[:layers] == pytest.approx(speeds, abs=0.05 * shear)
 
 
 @pytest.mark.parametrize("scheme", ["houle", "jh2020"])
@@ -94,7 +112,7 @@ def test_a_long_wave_leaves():
     top = DEPTH + 0.02 * np.exp(-(((x - 2.0) / 0.5) ** 2))
     hump = {"polygon": [[0.0, 0.0], [4.0, 0.0], *np.stack([x, top], axis=-1)[::-1].tolist()]}
     side = {"level": DEPTH, "velocity": 0.0}
-    sim = channel(side, side, size=4.0, water=hump)
+    sim = channel(side, side, size=4.0, water=[hump])
     passing = 0.0
     while sim.time < 1.5 * 4.0 / LONG:
         sim.advance(10.0)
