@@ -127,16 +127,18 @@ static void bind(nb::module_& m) {
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "water_held",
-      [](G g, Mask active, ListedField open, Field fill, Field inverse_capacity, Array<std::int64_t> column,
-         Field held) {
+      [](G g, Mask active, ListedField open, Field fill, Field inverse_capacity, Field height,
+         Array<std::int64_t> column, Field held) {
         require_cells(g, active.size(), "active");
         const Listed o = listed_of(g, open, "open");
         require_cells(g, fill.size(), "fill");
         require_cells(g, inverse_capacity.size(), "inverse_capacity");
         const index count = static_cast<index>(column.size());
-        water_held<D>(g, active.data(), o, fill.data(), inverse_capacity.data(), count, column.data(), held.data());
+        require_columns(g, height.size(), "height");
+        water_held<D>(g, active.data(), o, fill.data(), inverse_capacity.data(), height.data(), count, column.data(),
+                      held.data());
       },
-      "grid"_a, "active"_a, "open"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "held"_a,
+      "grid"_a, "active"_a, "open"_a, "fill"_a, "inverse_capacity"_a, "height"_a, "column"_a, "held"_a,
       "Water in the listed columns [m^d], cells under the surface being full.");
   m.def(
       "apply_forces",

@@ -164,6 +164,19 @@ inline bool without_air(const Grid<D>& g, const std::uint8_t* active, const List
   return all_around(g, c, [=](index n) { return active[n] || open[n] <= 0.0; });
 }
 
+// Whether there is air across a face of a cell.
+template <int D>
+inline bool air_beside(const Grid<D>& g, const std::uint8_t* active, const Listed& open, index c) {
+  const auto stride = Grid<D>::strides(g.shape);
+  const auto i = Grid<D>::unflat(c, g.shape);
+  for (int a = 0; a < D; ++a)
+    for (int side = -1; side <= 1; side += 2) {
+      const index j = inside(i[a] + side, g.shape[a], g.periodic[a]), n = c + (j - i[a]) * stride[a];
+      if (!active[n] && open[n] > 0.0) return true;
+    }
+  return false;
+}
+
 // ---- rows: the lines of a field along the last axis, its columns of cells or faces ----------------------------------
 
 // Where the rows beside row i of a field of that shape begin: [2b] the one before along axis b, [2b+1] the one after;

@@ -10,7 +10,7 @@ import itertools
 from math import exp, floor, isnan, sqrt
 
 import numpy as np
-from scipy.ndimage import maximum_filter
+from scipy.ndimage import convolve1d, maximum_filter
 from scipy.optimize import brentq
 
 from houle.moments import Measure, with_tent
@@ -43,16 +43,27 @@ def column_heights(grid, position, volume):
     return height
 
 
-def water_held(grid, active, open_cells, fill, inverse_capacity):
-    """Water in the columns [m^d]: cells without air around hold all they can, unless at a bubble, others their fill."""
+def water_held(grid, active, open_cells, fill, inverse_capacity, height):
+    """Water in the columns [m^d]: what stands in them, and what cells without air around lack, unless at a bubble, less
+    what those with air across a face have too much.
+    """
+    d, place = grid.dimension, 0.5**grid.dimension
+    modes = ["wrap" if p else "nearest" for p in grid.periodic]
 
-    def near(cells):
-        return maximum_filter(cells, 3, mode=["wrap" if p else "nearest" for p in grid.periodic])
+    def near(cells, size=3):
+        return maximum_filter(cells, size, mode=modes)
 
-    inner = ~near((active == 0) & (open_cells > 0.0))
-    bubble = near(inner & (open_cells > 0.0) & (fill < 1.0 - 0.5**grid.dimension))
-    held = np.where(inner & ~bubble, 1.0, np.minimum(fill, 1.0))
-    return np.sum(held * np.divide(1.0, inverse_capacity, out=0.0 * held, where=inverse_capacity > 0.0), axis=-1)
+    closed = open_cells <= 0.0
+    air = (active == 0) & ~closed
+    inner = ~near(air)
+    capacity = np.divide(1.0, inverse_capacity, out=0.0 * fill, where=inverse_capacity > 0.0)
+    missing = (1.0 - fill) * capacity
+    for axis, p in enumerate(grid.periodic):
+        missing = convolve1d(missing, np.ones(3), axis, mode="wrap" if p else "constant")
+    bubble = inner & ~closed & (fill < 1.0 - place) & (missing * inverse_capacity >= place)
+    across = (active > 0) & np.any([near(air, 1 + 2 * np.eye(d, dtype=int)[a]) for a in range(d)], axis=0)
+    shown = np.where(inner & ~near(bubble), 1.0, np.where(across, np.minimum(fill, 1.0), fill))
+    return grid.cell_volume / grid.spacing[-1] * height + np.sum((shown - fill) * capacity, axis=-1)
 
 
 def surface_fraction(d_water, d_air, least):

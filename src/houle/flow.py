@@ -66,6 +66,7 @@ class Flow:
         self.depth = g.cells()  # of the cell centre below the free surface [cells]
         self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
         self.eta = np.zeros(g.shape[:-1])  # level of the free surface [m], NaN where dry
+        self.height = np.zeros(g.shape[:-1])  # of the water standing in each column, without pores [m]
         self.level = np.zeros(g.shape[:-1])  # to which its water fills each column [m]
         self.mixed = Capacity.of(grid, medium)  # of the columns with interfaces or solids
         self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN

@@ -65,9 +65,8 @@ def find_surface(flow: Flow) -> None:
     open_cells = flow.medium.listed("open_cells")
     volume = flow.particles.volume
     _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity)
-    _core.column_heights(core, flow.start, position, volume, flow.level, flow.walls)
-    if flow.porous:
-        flow.level /= flow.column_porosity
+    _core.column_heights(core, flow.start, position, volume, flow.height, flow.walls)
+    np.divide(flow.height, flow.column_porosity, out=flow.level)
     _core.column_levels(core, flow.fill, flow.inverse_capacity, mixed.column, mixed.start, mixed.pieces, flow.level)
     _core.find_surface(
         core, flow.fill, open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 
+import numpy as np
 import pytest
 from situations import DAM_BREAK, run, simulation
 
@@ -119,3 +120,49 @@ def test_the_mean_level_shows_water_that_is_too_wide_or_too_dense(density):
     arrange(sim.flow, sim.step.transfer)
     wrong = float(sim.sample()["mean_level"])
     assert wrong - sim.particles.total_volume / 0.4 == pytest.approx((1.0 - density) * right, rel=0.5)
+
+
+STEEP = {
+    "case": {"name": "steep"},
+    "domain": {"size": [0.3, 0.2, 0.4], "spacing": 0.02},
+    "water": [{"polygon": [[0.0, 0.0], [0.18, 0.0], [0.0, 0.36]]}],
+    "solid": [{"box": [[-1.0, -1.0, -1.0], [0.053, 0.107, 0.109]]}],
+    "time": {"end": 1.0},
+}
+
+
+def stirred(sim):
+    """In one cell of 27 half of the water goes to the next one: as struck water is, and the volume where it was."""
+    p = sim.particles
+    cell = np.floor(p.position / 0.02).astype(int) % 3
+    lacking, crowded = (np.all(cell == where, axis=1) for where in ([1, 1, 1], [2, 1, 1]))
+    deep = p.position[:, 2] + 2.0 * p.position[:, 0] < 0.24
+    p.volume[lacking & deep] *= 0.5
+    p.volume[crowded & deep] *= 1.5
+    arrange(sim.flow, sim.step.transfer)
+    return sim
+
+
+def test_the_mean_level_counts_disorder_under_the_surface_as_neither_air_nor_water_in_three_dimensions():
+    """About a solid too, whose faces lie between the cells. A bubble of a cell is air."""
+    sim = simulation(STEEP)
+    plan = float(np.prod(STEEP["domain"]["size"][:2]))
+    assert float(sim.sample()["mean_level"]) == pytest.approx(sim.particles.total_volume / plan, abs=0.005 * 0.02)
+    stirred(sim)
+    assert (sim.flow.fill[sim.flow.active > 0] < 1.0 - 0.5**3).sum() > 10
+    assert float(sim.sample()["mean_level"]) == pytest.approx(sim.particles.total_volume / plan, abs=0.005 * 0.02)
+    sim.particles.volume[np.all(np.floor(sim.particles.position / 0.02) == [4, 4, 2], axis=1)] *= 1e-9
+    arrange(sim.flow, sim.step.transfer)
+    assert float(sim.sample()["mean_level"]) == pytest.approx(sim.particles.total_volume / plan, abs=0.005 * 0.02)
+
+
+@pytest.mark.parametrize("density", [0.96, 1.04])
+def test_the_mean_level_shows_stirred_water_that_is_too_wide_or_too_dense(density):
+    """By a third at least of what is wrong: two cells in three of this wedge have air around, or a bubble."""
+    sim = stirred(simulation(STEEP))
+    plan = float(np.prod(STEEP["domain"]["size"][:2]))
+    right = float(sim.sample()["mean_level"])
+    sim.particles.volume *= density
+    arrange(sim.flow, sim.step.transfer)
+    wrong = float(sim.sample()["mean_level"])
+    assert 0.33 < (wrong - sim.particles.total_volume / plan) / ((1.0 - density) * right) < 1.0

@@ -19,7 +19,6 @@ def water_held(flow: Flow) -> tuple[NDArray[np.bool_], FloatArray]:
     columns.ravel()[flow.mixed.column] = True
     number = np.flatnonzero(columns)
     held = np.empty(len(number))
-    _core.water_held(
-        flow.grid.core, flow.active, flow.medium.listed("open_cells"), flow.fill, flow.inverse_capacity, number, held
-    )
+    cells = (flow.active, flow.medium.listed("open_cells"), flow.fill, flow.inverse_capacity)
+    _core.water_held(flow.grid.core, *cells, flow.height, number, held)
     return columns, flow.grid.spacing[-1] / flow.grid.cell_volume * held
