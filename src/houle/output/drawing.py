@@ -263,17 +263,19 @@ def draw_bodies(
         dash: Any = (0, (4, 2)) if over else "-"
         panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
         if words and body.words:
-            x, z = body.outline[:, 0].mean(), min(body.outline[:, 1].max(), panel.get_ylim()[1])
+            low, high = panel.get_ylim()
+            x, z = body.outline[:, 0].mean(), min(body.outline[:, 1].max(), high)
+            inside = z > high - 0.05 * (high - low)  # above the panel stands its title
             ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
             look: Any = {
                 "ha": "center",
-                "va": "bottom",
+                "va": "top" if inside else "bottom",
                 "fontsize": SMALL,
                 "color": STONE_LINE,
                 "zorder": 5,
                 "bbox": ground,
             }
-            panel.annotate(body.words, (x, z), (0, 3), textcoords="offset points", **look)
+            panel.annotate(body.words, (x, z), (0, -3 if inside else 3), textcoords="offset points", **look)
     for body in solid:
         panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
 
