@@ -443,6 +443,7 @@ static void bind_sums(nb::module_& m) {
 }
 
 void bind_flow(nb::module_& m) {
+  m.attr("thinnest_sheet") = thinnest_sheet;
   bind_sums(m);
   bind<2>(m);
   bind<3>(m);

@@ -407,9 +407,11 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
     for (int a = 0; a < D; ++a) {
       const auto shape = g.face_shape(a);
       const index line = shape[up], rows = g.faces(a) / line / shape[0];  // in a slice
-      const index end = std::min(to, shape[0]) * rows;
-      for (index r = from * rows; r < end && k < layers; ++r) layer_of(a, r, k + 1);
-      for (index f = from * rows * line; f < end * line && k == layers; ++f) u[a][f] = known[a][f] ? u[a][f] : 0.0;
+      const index begin = from * rows, end = std::min(to, shape[0]) * rows;
+      if (k < layers)
+        for (index r = begin; r < end; ++r) layer_of(a, r, k + 1);
+      else
+        for (index f = begin * line; f < end * line; ++f) u[a][f] = known[a][f] ? u[a][f] : 0.0;
     }
   };
   const index slices = g.shape[0] + 1;

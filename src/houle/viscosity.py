@@ -31,7 +31,6 @@ KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}
 
 
 REACH = 2.0  # of the sums between particles, in grid spacings
-THINNEST_SHEET = 0.25  # cells: the thickness of a sheet along a no-slip wall that counts at least (core/viscous.hpp)
 
 
 def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bool) -> float:
@@ -46,7 +45,7 @@ def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bo
         return Smoothing(grid, (), REACH * max(grid.spacing)).time_step_limit(viscosity)
     spectrum = 8 * viscosity * sum(1 / h**2 for h in grid.spacing)
     if held:
-        spectrum += 2 * viscosity / (THINNEST_SHEET * min(grid.spacing)) ** 2
+        spectrum += 2 * viscosity / (_core.thinnest_sheet * min(grid.spacing)) ** 2
     return 2 / spectrum if spectrum > 0 else np.inf
 
 
