@@ -273,19 +273,19 @@ def keep_case(case: Case, directory: Path) -> Case:
 
     A run needs no other file to be resumed or drawn again, so its folder can be moved.
     """
-    from houle import laboratory
     from houle.case import load
     from houle.output.atomic import reported, write_text
 
-    files, moved = {}, {}
-    if case.reference is not None and (data := laboratory.path(case)) is not None:
-        files["reference.surface"] = (case.reference.surface, data)
-    if case.waves is not None and case.waves.file is not None:
-        files["waves.file"] = (case.waves.file, case.folder / case.waves.file)
-    for key, (name, source) in files.items():
-        inside = Path(name)
+    named = {f"open.{i}.file": side.file for i, side in enumerate(case.open)}
+    named["waves.file"] = case.waves.file if case.waves is not None else None
+    named["reference.surface"] = case.reference.surface if case.reference is not None else None
+    moved = {}
+    for key, name in named.items():
+        if name is None:
+            continue
+        source, inside = case.folder / name, Path(name)
         if inside.is_absolute() or ".." in inside.parts:
-            inside = Path(source.name)
+            inside = Path(key + source.suffix)
             moved[key] = inside.name
         with reported(directory / inside):
             (directory / inside).parent.mkdir(parents=True, exist_ok=True)

@@ -264,6 +264,17 @@ def test_a_run_of_the_real_simulation_resumes_bit_for_bit(tmp_path, scheme):
         assert_same(whole, houle.resume(part.directory))
 
 
+def test_a_run_carries_the_files_that_its_case_names(tmp_path):
+    """So it can be resumed where they are not: here the record of an open side."""
+    record = tmp_path / "inflow.csv"
+    record.write_text("t_s,velocity_m_s\n0,0.0\n0.1,0.1\n")
+    case = houle.load({**TINY, "open": [{"side": "left", "file": str(record)}]}, {"time.end": 0.1})
+    whole = houle.run(case, out=tmp_path / "whole")
+    part = houle.run(case, out=tmp_path / "part", until=0.05)
+    record.unlink()
+    assert_same(whole, houle.resume(part.directory))
+
+
 def test_the_same_in_3d(tmp_path):
     box = {"size": [0.4, 0.08, 0.2], "spacing": 0.02}
     water = [{"box": [[0.0, 0.0, 0.0], [0.14, 0.08, 0.16]]}, {"below": 0.03}]
