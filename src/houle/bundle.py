@@ -1,7 +1,7 @@
 """The failure bundle: what someone needs who wants to know why a run failed, in one folder.
 
 failure/diagnosis.txt      one paragraph: what, when, where, and what to try
-failure/worst.json         the worst cells or particles as dicts
+failure/worst.json         the worst particles as dicts
 failure/checkpoint-*.h5    the last good state, to run up to the failure again
 failure/case.toml          the case
 failure/versions.json      program, compiler, packages, machine
@@ -41,7 +41,7 @@ def write_bundle(directory: Path, simulation: Any, error: SimulationError, check
     for old in (building, folder):
         shutil.rmtree(old, ignore_errors=True)
     building.mkdir()
-    worst = error.worst or worst_particles(simulation.particles)
+    worst = worst_particles(simulation.particles)
     record = {"message": str(error), "step": error.step, "time": error.time, "place": error.place, "worst": worst}
     (building / "worst.json").write_text(json.dumps(_plain(record), indent=2) + "\n")
     (building / "versions.json").write_text(json.dumps(_plain(versions), indent=2) + "\n")
@@ -58,7 +58,7 @@ def diagnose(error: SimulationError, checkpoint: Path) -> str:
     first, _, rest = error.diagnosis.partition("\n")
     text = (
         f"Step {error.step}, t = {error.time:.6g} s{where}: {str(error).rstrip('.')}. {first} "
-        f"The last good state is {checkpoint.name}; worst.json lists the worst places."
+        f"The last good state is {checkpoint.name}; worst.json lists the worst particles."
     )
     return textwrap.fill(text, 100) + ("\n" + rest if rest else "")
 

@@ -12,7 +12,7 @@ class CaseError(HouleError):
 
 
 class SimulationError(HouleError):
-    """The run failed at a step, time and place; `worst` lists the worst cells as plain dicts."""
+    """The run failed at a step, time [s] and place [m]; `diagnosis`: what is known of the cause, and what to try."""
 
     def __init__(
         self,
@@ -22,8 +22,6 @@ class SimulationError(HouleError):
         time: float = 0.0,
         place: tuple[float, ...] | None = None,
         diagnosis: str = "",
-        worst: list[dict] | None = None,
     ) -> None:
         super().__init__(message)
         self.step, self.time, self.place, self.diagnosis = step, time, place, diagnosis
-        self.worst = worst or []

@@ -193,7 +193,6 @@ class Simulation:
             self._check()
         except SimulationError as error:
             error.step, error.time = self.steps, self.time
-            error.worst = error.worst or self._worst()
             raise
 
     def _make_room(self) -> None:
@@ -256,16 +255,6 @@ class Simulation:
                 f"water was lost: the volume has changed by {drift:.2e} of itself",
                 diagnosis="The volume carried by the particles is conserved to round-off; a change is a fault.",
             )
-
-    def _worst(self, count: int = 20) -> list[dict]:
-        """The fastest particles, for the bundle."""
-        p = self.particles
-        speed = np.sqrt((p.velocity**2).sum(axis=1))
-        order = np.argsort(np.where(np.isfinite(speed), -speed, -np.inf))[:count]
-        return [
-            {"position": p.position[i].tolist(), "velocity": p.velocity[i].tolist(), "volume": float(p.volume[i])}
-            for i in order
-        ]
 
     # ---- observing -----------------------------------------------------------------------------------------------
 
