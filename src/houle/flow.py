@@ -136,10 +136,6 @@ class Flow:
         least = 1e-9 * self.grid.cell_volume
         np.divide(1.0, capacity, out=self.inverse_capacity, where=capacity > least)
 
-    def damp(self, rate: Faces) -> None:
-        """Sponges and relaxation zones: their linear resistance [1/s] on the faces."""
-        self.damping = rate
-
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray] | None:
         """One of the kinds of the medium as the core takes it; None in clear water, where it is one."""
         return self.medium.listed(name) if self.porous else None

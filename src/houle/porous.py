@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import shapely
@@ -29,7 +28,7 @@ CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficient
 
 @dataclass(frozen=True)
 class PorousBody:
-    """A region of one porous material; `law` is the passport of the resistance law that gave a and b."""
+    """A region of one porous material."""
 
     name: str
     shape: Shape
@@ -37,7 +36,6 @@ class PorousBody:
     a: float = 0.0  # [1/s]
     b: float = 0.0  # [1/m]
     inertia: float = 1.0  # C_r
-    law: Any = None
 
 
 @dataclass(frozen=True)

@@ -68,11 +68,6 @@ def from_permeability(permeability: float, forchheimer: float, nu: float) -> Pai
     return nu / permeability, forchheimer / sqrt(permeability)
 
 
-def keulegan_carpenter(darcy: float, n: float, d: float, period: float = 1.0) -> float:
-    """KC = max(|u_d|, 0.01 m/s) max(1 s, T)/(n d): Liu et al. (1999) as in the COBRAS codes, T = 1 s without waves."""
-    return max(abs(darcy), 0.01) * max(1.0, period) / (n * d)
-
-
 def inertia_coefficient(n: float, added_mass: float = 0.34) -> float:
     """C_r = 1 + gamma (1-n)/n. gamma = 0.34: van Gent 1995 (READ in waves2Foam and MONGOOSE)."""
     return 1 + added_mass * (1 - n) / n

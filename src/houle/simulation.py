@@ -124,7 +124,7 @@ class Simulation:
             length = way_length(sponge.box, grid)
             resist(sponge.box, sponge.strength or damping(speed, length), grid, rate)
         if any(r.any() for r in rate):
-            flow.damp(rate)
+            flow.damping = rate
         return wave
 
     def _open_sides(self) -> list[OpenSide]:

@@ -5,31 +5,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from houle.resistance import inertia_coefficient, van_gent_1995
 from houle.validation import exact
 from houle.validation.exact import PorousMedium
 
 DATA = Path(__file__).parent / "data"
+NU = 1e-6
 MEDIA = {
-    "rock": PorousMedium.van_gent(0.49, 0.0159, 500.0, 2.0 * (1 + 7.5 / 128)),
-    "beads": PorousMedium.van_gent(0.39, 0.003, 200.0, 1.1),
+    "rock": PorousMedium(0.49, *van_gent_1995(0.49, 0.0159, NU, 500.0, 2.0, kc=128.0), inertia_coefficient(0.49)),
+    "beads": PorousMedium(0.39, *van_gent_1995(0.39, 0.003, NU, 200.0, 1.1), inertia_coefficient(0.39)),
 }
 DEPTH, LENGTH = 0.25, 1.0
 
 
 def oracle(name):
     return np.loadtxt(DATA / f"{name}.csv", delimiter=",", skiprows=3 if name.startswith("column") else 2).T
-
-
-def test_canonical_coefficients_of_the_two_media():
-    """By hand: (1-n)^2/n^3 = 2.2108, (1-n)/n^3 = 4.3349 at n = 0.49."""
-    rock = MEDIA["rock"]
-    assert rock.a == pytest.approx(500 * 2.21082 * 1e-6 / 0.0159**2, rel=1e-5)
-    assert rock.b == pytest.approx(2 * 1.05859375 * 4.33494 / 0.0159, rel=1e-5)
-    assert rock.inertia == pytest.approx(1 + 0.34 * 0.51 / 0.49)
-
-
-def integral(values, x):
-    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(x)))
 
 
 @pytest.mark.parametrize("name", MEDIA)
@@ -93,28 +83,6 @@ def test_bernoulli_jump_vanishes_in_clear_water_and_keeps_the_head():
     q, n = 0.3, 0.4
     assert exact.bernoulli_jump(q, 1.0) == 0.0
     assert exact.bernoulli_jump(q, n) + q**2 / 2 == pytest.approx((q / n) ** 2 / 2)
-
-
-def test_ritter_keeps_volume():
-    x = np.linspace(-5.0, 8.0, 200001)
-    depth = exact.ritter(x, 0.7, 1.0)
-    assert integral(depth, x) == pytest.approx(5.0, abs=1e-6)
-    assert exact.ritter(np.zeros(1), 0.7, 1.0) == pytest.approx(4 / 9)
-
-
-def test_stoker_keeps_volume_and_momentum():
-    """Volume; and d/dt of the momentum = g (h0^2 - h1^2) / 2, the push of the two ends."""
-    h0, h1, t, g = 1.0, 0.1, 0.5, 9.81
-    x = np.linspace(-4.0, 5.0, 900001)
-    depth = exact.stoker(x, t, h0, h1)
-    assert integral(depth, x) == pytest.approx(4 * h0 + 5 * h1, abs=2e-5)
-    speed = np.where(depth > h1, 2 * (np.sqrt(g * h0) - np.sqrt(g * depth)), 0.0)
-    assert integral(depth * speed, x) == pytest.approx(0.5 * g * (h0**2 - h1**2) * t, rel=1e-4)
-
-
-def test_stoker_tends_to_ritter_on_a_thin_film():
-    x = np.linspace(-2.0, 1.0, 301)
-    assert exact.stoker(x, 0.4, 1.0, 1e-7) == pytest.approx(exact.ritter(x, 0.4, 1.0), abs=1e-6)
 
 
 @pytest.mark.parametrize("k", [0.1, 3.0, 40.0])

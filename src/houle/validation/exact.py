@@ -7,9 +7,8 @@ A rigid porous medium of porosity n resists with a u_d + b |u_d| u_d per unit ma
 
 and crossing a face between water and the medium keeps p + rho u^2 / 2 (Bernoulli with the pore velocity u = q / n).
 
-References: van Gent (1995) for the resistance; Whitham, Linear and Nonlinear Waves (1974) for Ritter and Stoker;
-Tadjbakhsh & Keller, J. Fluid Mech. 8 (1960) 442-451 for the standing wave; Dommermuth & Yue, J. Fluid Mech. 184 (1987)
-267-288 for the fully non-linear one.
+References: Tadjbakhsh & Keller, J. Fluid Mech. 8 (1960) 442-451 for the standing wave; Dommermuth & Yue, J. Fluid Mech.
+184 (1987) 267-288 for the fully non-linear one.
 """
 
 from __future__ import annotations
@@ -30,15 +29,6 @@ class PorousMedium:
     a: float
     b: float
     inertia: float = 1.0
-
-    @classmethod
-    def van_gent(
-        cls, porosity: float, grain: float, alpha: float, beta: float, added_mass: float = 0.34, viscosity: float = 1e-6
-    ) -> PorousMedium:
-        """Van Gent (1995): a = alpha (1-n)^2/n^3 nu/d^2, b = beta (1-n)/n^3/d, C_r = 1 + gamma (1-n)/n; grain d [m]."""
-        n, solid = porosity, 1.0 - porosity
-        a, b = alpha * solid**2 / n**3 * viscosity / grain**2, beta * solid / n**3 / grain
-        return cls(n, a, b, 1.0 + added_mass * solid / n)
 
 
 def runge_kutta(slope: Callable[[float, FloatArray], FloatArray], start: FloatArray, times: FloatArray) -> FloatArray:
@@ -100,31 +90,6 @@ def column_infiltration(
     left = layer - n * s
     s, q, left = (np.where(left > 0.0, v, np.nan) for v in (s, q, left))
     return np.interp(times, fine, s), np.interp(times, fine, left), np.interp(times, fine, q)
-
-
-def ritter(position: FloatArray, time: float, depth: float, gravity: float = 9.81) -> FloatArray:
-    """Water depth [m] of a shallow-water dam break on a dry bed, dam at x = 0, reservoir of this depth on x < 0."""
-    c = np.sqrt(gravity * depth)
-    fan = (2.0 * c - position / time) ** 2 / (9.0 * gravity)
-    return np.where(position <= -c * time, depth, np.where(position >= 2.0 * c * time, 0.0, fan))
-
-
-def stoker(position: FloatArray, time: float, depth: float, tail: float, gravity: float = 9.81) -> FloatArray:
-    """Water depth [m] of a shallow-water dam break onto a wet bed, `tail` [m] < depth: rarefaction, plateau, bore."""
-    c = np.sqrt(gravity * depth)
-
-    def excess(middle: float) -> float:
-        """Velocity behind the bore (Rankine-Hugoniot) less the one at the foot of the rarefaction (u + 2c constant)."""
-        bore = (middle - tail) * np.sqrt(gravity * (middle + tail) / (2.0 * middle * tail))
-        return float(bore - 2.0 * (c - np.sqrt(gravity * middle)))
-
-    middle = _bisect(excess, tail, depth)
-    c_m = np.sqrt(gravity * middle)
-    u_m = 2.0 * (c - c_m)
-    bore = middle * u_m / (middle - tail) * time
-    fan = (2.0 * c - position / time) ** 2 / (9.0 * gravity)
-    inside = np.where(position <= (u_m - c_m) * time, fan, np.where(position <= bore, middle, tail))
-    return np.where(position <= -c * time, depth, inside)
 
 
 def dispersion(wave_number: float, depth: float, gravity: float = 9.81) -> float:
@@ -206,11 +171,3 @@ def released_wave(
     start = np.array([amplitude * np.cos(np.pi * x / length), np.zeros_like(x)])
     eta = runge_kutta(slope, start, fine)[::inside, 0]
     return np.fft.rfft(eta)[:, 1 : modes + 1].real / points
-
-
-def _bisect(function: Callable[[float], float], low: float, high: float) -> float:
-    """The root of an increasing function between low and high, to round-off."""
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if function(middle) < 0.0 else (low, middle)
-    return 0.5 * (low + high)
