@@ -26,7 +26,8 @@ from houle.tables.results import Reference, Reflection
 from houle.tables.sides import Open
 from houle.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
 from houle.viscosity import longest_step
-from houle.waves.table import Waves
+from houle.waves.table import Waves, make
+from houle.waves.wave import Wave
 
 
 class Case(Table):
@@ -99,6 +100,11 @@ class Case(Table):
         """Gravity and fluid.acceleration together, per axis, last up [m/s2]."""
         push = self.fluid.acceleration or (0.0,) * self.dimension
         return (*push[:-1], push[-1] - self.fluid.gravity)
+
+    @property
+    def wave(self) -> Wave | None:
+        """The wave of [waves], None without. Raises WaveError, a CaseError, where theory has none."""
+        return None if self.waves is None else make(self.waves, self.fluid.gravity, self.folder)
 
     @property
     def viscous_step(self) -> float:

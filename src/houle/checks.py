@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from houle import laboratory
 from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
 from houle.ceiling import memory
@@ -242,7 +243,8 @@ def gates(s: Section) -> Iterator[Finding]:
             hint = metres(gate.x, size)
             yield Finding("error", key, f"= {gate.x:g} does not lie inside the domain, 0 < x < {size:g} m.{hint}")
         else:
-            text = f"= {gate.x:g} m: the gate stands on the nearest face of the grid, x = {round(gate.x / h) * h:.6g} m"
+            face = s.grid.nearest_face(gate.x)
+            text = f"= {gate.x:g} m: the gate stands on the nearest face of the grid, x = {face:.6g} m"
             yield Finding("info", key, text)
 
 
@@ -263,7 +265,6 @@ def times(s: Section) -> Iterator[Finding]:
             f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m a step: below 1 is "
             f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
         )
-    nu = s.case.fluid.viscosity
     nu, viscous = s.case.fluid.viscosity, s.case.viscous_step
     if t.step is not None and t.step > viscous:
         text = f"= {t.step:g} s is unstable with fluid.viscosity = {nu:g} m2/s: at most {0.99 * viscous:.3g}"
@@ -314,10 +315,11 @@ def machine_memory() -> float | None:
 
 def reference_is_there(s: Section) -> Iterator[Finding]:
     """The laboratory file named can be opened."""
-    r, path = s.case.reference, s.case.path
-    if r is not None and path is not None and not (path.parent / r.surface).is_file():
+    r, path = s.case.reference, laboratory.path(s.case)
+    if r is not None and path is not None and not path.is_file():
         text = (
-            f'= "{r.surface}" is not a file beside the case file, in {path.parent}: put it there, or remove [reference]'
+            f'= "{r.surface}" is not a file beside the case file, in {s.case.folder}: put it there, or remove '
+            "[reference]"
         )
         yield Finding("error", "reference.surface", text)
 

@@ -54,7 +54,7 @@ def path(case: Case) -> Path | None:
     """The file of laboratory points that the case names, beside the case file."""
     if case.reference is None:
         return None
-    return (case.path.parent if case.path else Path()) / case.reference.surface
+    return case.folder / case.reference.surface
 
 
 def read(file: Path) -> Points:

@@ -14,7 +14,7 @@ from houle.case_errors import metres, place
 from houle.errors import CaseError
 from houle.layout import Finding, Section
 from houle.paddle import ROOM
-from houle.wave_checks import columns, wave_of
+from houle.wave_checks import columns
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
@@ -81,7 +81,7 @@ def paddles_fit(s: Section) -> Iterator[Finding]:
     if not case.absorber and (case.waves is None or case.waves.piston is None):
         return
     try:
-        wave = wave_of(case)
+        wave = case.wave
         walls = moving_walls(case, wave, s.depth())
     except CaseError as error:
         if str(error).startswith(("waves.piston", "waves.direction")):  # else told by waves_fit

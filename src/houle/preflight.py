@@ -18,7 +18,7 @@ from houle.layout import Body, Section
 from houle.paddle_checks import moving_walls
 from houle.resistance import Passport, passport
 from houle.tables.control import WAVE_SHARE
-from houle.wave_checks import reach, wave_of
+from houle.wave_checks import reach
 
 MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle bench` measures yours
 LONGEST = 5.5  # of the picture of a section, its length over its height
@@ -37,12 +37,6 @@ class Price:
     memory: float  # [bytes] at the start
     most_memory: float  # [bytes] when water has been everywhere
     disk: float  # [bytes]
-
-
-def gate_faces(case: Case) -> list[float]:
-    """Where every gate stands [m]: on the face of the grid nearest to its x."""
-    h = case.domain.grid.spacing[0]
-    return [round(gate.x / h) * h for gate in case.gate]
 
 
 def passports(case: Case) -> list[Passport]:
@@ -106,7 +100,8 @@ def draw(case: Case, file: Path) -> None:
         area = shapely.difference(s.area([body], layer), s.area(s.solid, layer))
         _fill(axes, area, facecolor="none", edgecolor="#8a6d3b", hatch=hatches[i % 5], linewidth=1.2, label=words)
     _fill(axes, s.area(s.solid, layer), facecolor="#777777", edgecolor="#333333", label="solid")
-    for face, gate in zip(gate_faces(case), case.gate, strict=True):
+    for gate in case.gate:
+        face = s.grid.nearest_face(gate.x)
         axes.plot([face, face], [0, height], color="#c0392b", linewidth=3, label=f"gate, {gate.speed:g} m/s", zorder=4)
     for table in case.open:
         side = 0.0 if table.side == "left" else width
@@ -153,7 +148,7 @@ def _waves(axes: Any, case: Case, s: Section) -> None:
     height, colour = case.domain.size[-1], "#4d6f8c"
     axes.axhline(s.depth(), color="#1f5f8b", linewidth=0.8, linestyle=(0, (8, 3)), label="still water level")
     bands = [(p.box[0][0], p.box[1][0], p.name, "//") for p in case.sponge]
-    wave = wave_of(case)
+    wave = case.wave
     for wall in moving_walls(case, wave, s.depth()):
         name = wall.key.rpartition(".")[2]
         bands.append((*wall.span, name, "|||"))

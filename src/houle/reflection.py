@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 from houle import analysis
 from houle.geometry import shape_of
 from houle.resistance import coefficients, inertia_coefficient
-from houle.waves.table import make
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -158,8 +157,10 @@ def _one_block(case: Case) -> bool:
 
 
 def wave_of(case: Case) -> Wave:
-    assert case.waves is not None
-    return make(case.waves, case.fluid.gravity, case.folder)
+    """Of a case that has one."""
+    wave = case.wave
+    assert wave is not None
+    return wave
 
 
 def first_harmonic(wave: Wave) -> float:

@@ -40,7 +40,6 @@ from houle.waves.makers import Stream, damping, make_maker
 from houle.waves.piston import law_of, reading_of
 from houle.waves.sponge import resist, way_length
 from houle.waves.table import Piston, Waves
-from houle.waves.table import make as make_wave
 from houle.waves.wave import Wave
 
 GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled", "open_shear")  # state() on cells and faces
@@ -109,10 +108,9 @@ class Simulation:
     def _add_waves(self) -> Wave | None:
         """Wave maker and sponges of the case."""
         case, flow, grid = self.case, self.flow, self.flow.grid
-        rate, wave = grid.faces(), None
+        rate, wave = grid.faces(), case.wave
         speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
-        if case.waves is not None:
-            wave = make_wave(case.waves, case.fluid.gravity, case.folder)
+        if case.waves is not None and wave is not None:
             speed = wave.group_velocity
             if case.waves.piston is not None:
                 self._add_piston(case.waves, case.waves.piston, wave)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from math import asin, degrees, inf, radians, sin
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -25,7 +24,7 @@ from houle.tables.tank import Sponge
 from houle.waves.check import assess
 from houle.waves.makers import require_source, source_width
 from houle.waves.sponge import sides
-from houle.waves.table import Piston, Source, Zone, make
+from houle.waves.table import Piston, Source, Zone
 from houle.waves.wave import Wave
 
 ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
@@ -36,13 +35,6 @@ SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if t
 SAMPLES = 51  # columns over a maker in which the depth is looked at
 
 Reach = tuple[float, float]
-
-
-def wave_of(case: Case) -> Wave | None:
-    """The wave of [waves], None without. Raises CaseError where theory has none."""
-    if case.waves is None:
-        return None
-    return make(case.waves, case.fluid.gravity, case.path.parent if case.path else Path())
 
 
 def reach(case: Case, wave: Wave) -> Reach:
@@ -63,7 +55,7 @@ def waves_fit(s: Section) -> Iterator[Finding]:
     if table is None:
         return
     try:
-        wave = wave_of(case)
+        wave = case.wave
         assert wave is not None
     except CaseError as error:
         yield _told("error", str(error))
@@ -294,7 +286,7 @@ def _gauges(s: Section, wave: Wave) -> Iterator[Finding]:
 def sponges_fit(s: Section) -> Iterator[Finding]:
     """Each sponge lies inside the tank, touches one side, takes in the whole depth and is long enough."""
     try:
-        wave = wave_of(s.case)
+        wave = s.case.wave
     except CaseError:
         wave = None  # told by waves_fit
     for i, sponge in enumerate(s.case.sponge):

@@ -11,7 +11,7 @@ from houle.case_errors import place
 from houle.layout import Finding, Section
 from houle.paddle_checks import law_of_piston
 from houle.tables.tank import Sponge
-from houle.wave_checks import reach, wave_of
+from houle.wave_checks import reach
 from houle.waves import dispersion
 from houle.waves.check import assess
 from houle.waves.makers import damping, left_over, source_width
@@ -26,7 +26,7 @@ SETTLE = 2.0  # periods after the front
 
 def wave_rows(case: Case) -> list[tuple[str, str]]:
     """(name, words) about the wave of the case and its maker; the numbers of `waves.check.assess`."""
-    wave = wave_of(case)
+    wave = case.wave
     if wave is None:
         return []
     assert case.waves is not None
@@ -91,7 +91,7 @@ def _back(read: Reading, period: float) -> str:
 
 def absorber_rows(case: Case) -> list[tuple[str, str]]:
     """(name, words) of every absorbing wall."""
-    wave, depth = wave_of(case), Section(case).depth()
+    wave, depth = case.wave, Section(case).depth()
     rows = []
     for i, table in enumerate(case.absorber):
         read = reading_of(wave, depth, case.fluid.gravity, table.period)
@@ -108,7 +108,7 @@ def _tuned(read: Reading, wave: Wave | None, period: float | None) -> float:
 
 def sponge_rows(case: Case) -> list[tuple[str, str]]:
     """(name, words) of every sponge: where, how long, how strong, what comes back."""
-    wave = wave_of(case)
+    wave = case.wave
     speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * Section(case).depth())
     return [(place(("sponge", i), case.__dict__), _sponge(case, s, wave, speed)) for i, s in enumerate(case.sponge)]
 
@@ -156,7 +156,7 @@ def steady(case: Case) -> Finding | None:
 
     None without gauges, and for waves that pass once.
     """
-    wave, waves = wave_of(case), case.waves
+    wave, waves = case.wave, case.waves
     if wave is None or waves is None or waves.kind in ("solitary", "focused", "series"):
         return None
     flume = Flume.of(case, Section(case), wave)

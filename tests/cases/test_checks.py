@@ -199,7 +199,6 @@ def test_a_gate_stands_on_the_nearest_face():
     (finding,) = checks.check(case)
     h = 0.892 / 89
     assert finding.level == "info" and f"{29 * h:.6g}" in finding.text
-    assert preflight.gate_faces(case) == [pytest.approx(29 * h)]
 
 
 def test_the_reference_file_must_be_there(tmp_path):
@@ -281,14 +280,15 @@ def leaves(table, path=()):
         yield from leaves(value, (*path, key))
 
 
-def test_whatever_stands_anywhere_is_a_case_or_a_message():
+def test_whatever_stands_anywhere_is_a_case_or_a_message(tmp_path):
+    (tmp_path / "lab.csv").write_text("t_s,x_m,eta_m\n")
     whole = tank(
         porous=[rock(), rock(box=None, polygon=[[0.7, 0.0], [0.9, 0.0], [0.9, 0.2]], resistance={"a": 1.0, "b": 10.0})],
         solid=[{"box": [[0.95, 0.0], [1.0, 0.2]]}],
         gauge=[{"x": 0.5}],
         sensor=[{"at": [0.1, 0.1]}],
         gate=[{"x": 0.3, "speed": 1.0}],
-        reference={"surface": "lab.csv"},
+        reference={"surface": str(tmp_path / "lab.csv")},
     ).to_dict()
     good = 0
     for path in leaves(whole):

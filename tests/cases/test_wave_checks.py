@@ -171,7 +171,7 @@ def test_the_window_is_that_of_the_analysis():
 
 def test_an_empty_flume_wants_the_front_to_pass_the_last_gauge():
     case = flume(gauge=[{"x": 3.0}, {"x": 7.0}])
-    wave = wave_report.wave_of(case)
+    wave = case.wave
     start = (7.0 - 2.5) / wave.group_velocity + 4 * 1.2  # two periods of ramp, two to settle
     for end, level in ((start + 3.05 * 1.2, "info"), (start + 2.9 * 1.2, "warning")):
         told = wave_report.steady(load(case, {"time.end": float(end)}))
