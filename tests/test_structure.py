@@ -73,6 +73,18 @@ def test_every_module_has_its_layer():
     assert there == set(RANK), "add a new module to LAYERS, and take out one that is gone"
 
 
+def test_the_architecture_page_tells_the_layers_and_the_headers():
+    """In this order, from the top down."""
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    lines = page.partition("```\n")[2].partition("```")[0].splitlines()
+    told = [name for line in lines for name in re.split(r" {3,}", line)[0].split()]
+    assert sorted(told) == sorted(RANK)
+    ranks = [RANK[name] for name in told]
+    assert ranks == sorted(ranks, reverse=True)
+    headers = {path.name for path in CORE.glob("*.hpp")} - {"bind.hpp"}
+    assert headers == set(re.findall(r"`(\w+\.hpp)`", page.partition("## The core")[2].partition("## Where")[0]))
+
+
 @pytest.mark.parametrize("module", sorted(name for name in MODULES if layer_of(name) not in ENTRIES))
 def test_imports_go_down(module):
     here = RANK[layer_of(module)]

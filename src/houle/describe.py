@@ -78,8 +78,8 @@ KERNELS: Rows = {
 }
 REMESHING: Rows = {
     "conservative": (
-        "M'4 onto the lattice where the neighbourhood is full, nothing moved across a porous interface; volume and "
-        "momentum kept to round-off, the level not raised.",
+        "M'4 onto the lattice where the neighbourhood is full; elsewhere to the nodes that hold water, beside porous "
+        "interfaces in proportion to their porosity. Volume, momentum and height kept to round-off.",
         "docs/decisions; kernel: Monaghan (1985), Cottet & Koumoutsakos (2000)",
     ),
     "paper": (

@@ -18,7 +18,7 @@ class Remeshing:
 
     travelled: integral of the pore velocity on the faces since then [m], float32. What counts is how far water is from
     where it was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro
-    and leave them in order, and every remeshing at a porous face stirs the surface there (docs/decisions/0009).
+    and leave them in order (docs/decisions/0009, 0010).
     """
 
     def __init__(self, remesher: Remesher, every: int, travel: float = TRAVEL) -> None:

@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     from houle.flow import Flow
 
 NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
-CROSSINGS = (
-    4.0  # of the tank by a long wave: the response of a level; critical damping of a tank closed at its other end
-)
+CROSSINGS = 4.0  # of the tank by a long wave, the response of a level: critical damping if its other end is closed
 THIN = 0.25  # of a half cell: less water at the surface belongs to the half cell below
 
 

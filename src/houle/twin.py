@@ -98,7 +98,7 @@ def twin_of(case: Case) -> Case:
     return twin
 
 
-_OBSERVED = ("runup", "overtopping", "force", "phreatic")
+_OBSERVED = ("runup", "overtopping", "force", "phreatic", "flux")
 
 
 def _begins(solid: Any) -> float:

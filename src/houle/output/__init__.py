@@ -7,7 +7,7 @@ For the runner (every failure of the file system is an OutputError: one message 
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
     out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
     out.commit()                           everything appended so far is in the files; call it before each checkpoint
-    out.commit_if_due(seconds=5.0)         the same, at most once in so many seconds of wall time; call it every step
+    out.commit_if_due(seconds)             the same, at most once in so many seconds of wall time; call it every step
     out.close()                            commit, and pack fields.vtkhdf into one file
 
     save_checkpoint(directory, step, state, meta)   state: arrays and scalars by name; meta: what JSON can hold
@@ -100,7 +100,7 @@ class Outputs:
             writer.commit()
         self._committed = clock.monotonic()
 
-    def commit_if_due(self, seconds: float = 5.0) -> None:
+    def commit_if_due(self, seconds: float) -> None:
         """Commit, at most once in so many seconds of wall time."""
         if clock.monotonic() - self._committed > seconds:
             self.commit()

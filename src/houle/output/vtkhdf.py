@@ -28,9 +28,7 @@ from houle.output.atomic import new_hdf5
 from houle.output.series import describe
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie
-ROWS = (
-    8192  # particles per compressed chunk; a frame starts at a multiple of it, so that chunks can be copied as they are
-)
+ROWS = 8192  # particles per compressed chunk; a frame starts at a multiple of it: its chunks can be copied as they are
 TOPOLOGIES = ("Vertices", "Lines", "Polygons", "Strips")
 FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 POINTS = "VTKHDF/particles/Points"
