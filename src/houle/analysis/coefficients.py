@@ -50,8 +50,9 @@ def reflection(
     window       (start, end) [s]; if None chosen from maker, structure [m] and `limits`: ramp, settle, rear, reflector,
                  absorbing, far_end, minimum of window.choose_window. Cut to whole periods (regular)
     towards      +1 if the incident wave goes to +x, -1 if to -x; known when maker and structure are given
-    wave_number  [rad/m] of the primary wave; linear theory if None; "fit": the one that explains four gauges best
-    (regular) bed          level of the bed [m] on the scale of eta, for jh2020
+    wave_number  [rad/m] of the primary wave (regular); linear theory if None; "fit": what explains four gauges best
+    bed          level of the bed [m] on the scale of eta, for jh2020
+    confidence   of the intervals                    seed     of the resampling behind them
     Raises AnalysisError with the cure: singular spacings, no window, dry gauges, ...
     """
     if kind not in ("regular", "irregular"):

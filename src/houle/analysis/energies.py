@@ -26,9 +26,7 @@ Complex = NDArray[Any]
 
 @dataclass(frozen=True)
 class Pieces:
-    """values (n, 2 or 3): incident, reflected, transmitted; energy((..., n, c)) -> (..., c) [m2]; what they are, in a
-    word.
-    """
+    """values (n, 2 or 3): incident, reflected, transmitted; energy((..., n, c)) -> (..., c) [m2]; unit: n of what."""
 
     values: NDArray
     energy: Callable[[NDArray], Real]

@@ -4,9 +4,7 @@ from houle.errors import HouleError
 
 
 class AnalysisError(HouleError):
-    """The signals, the places or the window do not determine what was asked for; the message says which and the
-    cure.
-    """
+    """Signals, places or window do not determine what was asked for; the message says which, and the cure."""
 
 
 def positive(**numbers: float) -> None:

@@ -1,6 +1,4 @@
-"""From gauges and a window to coefficients with their intervals: regular waves, irregular waves, the paper's
-formula.
-"""
+"""From gauges and a window to coefficients with their intervals: regular, irregular waves, the paper's formula."""
 
 from __future__ import annotations
 
@@ -123,9 +121,7 @@ class Estimate:
 
 
 def coefficients(energy: NDArray[Any]) -> NDArray[Any]:
-    """C_R, C_T, C_D (..., 3) of the energies (..., 2 or 3): incident, reflected and, if it was measured,
-    transmitted.
-    """
+    """C_R, C_T, C_D (..., 3) of the energies (..., 2 or 3): incident, reflected and, if measured, transmitted."""
     whole = np.where(energy[..., 0] > 0, energy[..., 0], np.nan)
     reflected = energy[..., 1] / whole
     through = energy[..., 2] / whole if energy.shape[-1] > 2 else np.full_like(whole, np.nan)

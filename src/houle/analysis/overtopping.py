@@ -1,6 +1,4 @@
-"""Overtopping: mean discharge and the volume of each wave that comes over, from the volume that has come over so
-far.
-"""
+"""Overtopping: mean discharge, and the volume of each wave that comes over, from the volume so far."""
 
 from __future__ import annotations
 
@@ -14,8 +12,7 @@ from houle.analysis.errors import AnalysisError
 
 @dataclass(frozen=True)
 class Overtopping:
-    """`volumes` (N,) [m3/m] (m3 in 3D) that came over in `times` (N, 2), start and end [s]; `duration` of the record
-    [s].
+    """`volumes` (N,) [m3/m], in 3D [m3], that came over in `times` (N, 2), start and end [s]; `duration` [s] in all.
 
     q: mean discharge [m3/s/m]. `waves`: incident waves, None if not given. `ignored`: in pieces below the threshold.
     """

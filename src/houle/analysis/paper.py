@@ -42,8 +42,7 @@ class Jh2020:
 
 
 def jh2020(highest: float, lowest: float, transmitted: float = float("nan")) -> Jh2020:
-    """highest, lowest [m]: H_max and H_min of (18), in the paper the levels A_e and B_e above the bed; transmitted:
-    H_T.
+    """highest, lowest, transmitted [m]: H_max, H_min (in the paper the levels A_e, B_e above the bed) and H_T.
 
     Raises AnalysisError unless 0 < lowest <= highest.
     """

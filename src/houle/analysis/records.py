@@ -83,8 +83,7 @@ def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] |
 def as_gauges(
     source: Any, chosen: Sequence[str | int] | None = None, window: tuple[float, float] | None = None
 ) -> Gauges:
-    """Gauges from a Gauges, a houle Run, an xarray Dataset like series.nc, a tuple (time, x, eta), or a path
-    (see read).
+    """From a Gauges, a houle Run, an xarray Dataset like series.nc, a tuple (time, x, eta), or a path (see read).
 
     Only the chosen gauges and the samples in the window need to be wet. surface.nc, eta(time, x), works too: every
     column of cells is a gauge (2D). Raises AnalysisError.

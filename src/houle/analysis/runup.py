@@ -14,9 +14,7 @@ LEAST_WAVES = 50  # one wave in fifty is 2 %
 
 @dataclass(frozen=True)
 class RunUp:
-    """`peaks` (N,): run-ups above still water [m] in order of time; `waves`: number of incident waves they come
-    from.
-    """
+    """`peaks` (N,) [m]: run-ups above still water at `times` (N,) [s], rising; of so many incident `waves`."""
 
     peaks: NDArray[np.float64]
     times: NDArray[np.float64]

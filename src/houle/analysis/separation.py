@@ -26,8 +26,7 @@ APART = 0.03  # least singular value over the largest: noise in an amplitude is 
 
 
 def weights(k: ArrayLike, x: ArrayLike) -> Real:
-    """Zelt & Skjelbreia: W_p = sum over q of sin^2(D) / (1 + (D / pi)^2), D = k (x_p - x_q). All 0 at singular
-    spacings.
+    """Zelt & Skjelbreia: W_p = sum_q sin^2(D) / (1 + (D / pi)^2), D = k (x_p - x_q). All 0 at singular spacings.
 
     k [rad/m] of any shape, x (G,) [m]; returns k.shape + (G,).
     """
@@ -102,9 +101,6 @@ def operator(k: ArrayLike, x: ArrayLike, weight: Real) -> Complex:
     return rows / (s0**2 - np.abs(s2) ** 2)[..., None]
 
 
-METHODS = {"goda-suzuki": goda_suzuki, "mansard-funke": mansard_funke, "zelt-skjelbreia": zelt_skjelbreia}
-
-
 def _need(right: bool, message: str) -> None:
     if not right:
         raise AnalysisError(message)
@@ -112,8 +108,7 @@ def _need(right: bool, message: str) -> None:
 
 @dataclass(frozen=True)
 class Components:
-    """The parts of one harmonic m, complex amplitudes [m] referred to x = 0. Free parts of m = 1 are 0 (they are the
-    wave).
+    """The parts of one harmonic m, complex amplitudes [m] referred to x = 0; of m = 1 nothing is free.
 
     `residual` is the part of the rms amplitude that they do not explain; NaN when there is no gauge to spare.
     `resolved`: False when the gauges cannot tell these parts from each other; then the least that explain the signal.
@@ -161,9 +156,7 @@ def separate_xt(
 
 
 def fit_wave_number(x: ArrayLike, F: ArrayLike, start: float, reach: float = 0.1) -> float:
-    """The k [rad/m] within a part `reach` of start whose forward and backward waves explain F (G,) best; four
-    gauges.
-    """
+    """The k [rad/m] within a part `reach` of `start` whose two waves explain F (G,) best. Takes four gauges."""
     from scipy.optimize import minimize_scalar
 
     places, amplitude = np.asarray(x, dtype=float), np.asarray(F, dtype=complex)

@@ -36,9 +36,7 @@ def bootstrap(statistic: Callable[[NDArray], Real], pieces: NDArray, seed: int, 
 
 
 def subsets(x: Real, k: float, seed: int) -> list[tuple[int, ...]]:
-    """Triples of gauges (pairs when there are three) that tell the two waves apart; some MOST_SUBSETS of them at
-    most.
-    """
+    """Triples of gauges (pairs when there are three) that tell the two waves apart, MOST_SUBSETS at most."""
     size = 3 if len(x) > 3 else 2
     if len(x) < 3:
         return []

@@ -1,6 +1,4 @@
-"""What a record of the surface holds: harmonics, the period, waves between zero crossings, spectra and their
-moments.
-"""
+"""What a record of the surface holds: harmonics, period, waves between zero crossings, spectra and moments."""
 
 from __future__ import annotations
 
@@ -17,8 +15,7 @@ Complex = NDArray[np.complex128]
 
 
 def harmonics(time: ArrayLike, eta: ArrayLike, omega: float, number: int = 1) -> Complex:
-    """Complex amplitudes F (..., number + 1) with eta = F_0 + sum over m of Re(F_m exp(-i m omega t)), by least
-    squares.
+    """Complex amplitudes F (..., number + 1), least squares: eta = F_0 + sum over m of Re(F_m exp(-i m omega t)).
 
     time (T,) [s], eta (..., T) [m]. F_0 is the (real) mean. Exact for such a signal whatever the sampling; noise is
     least when the record holds whole periods. Raises AnalysisError when the samples cannot tell the harmonics apart.
@@ -204,9 +201,7 @@ class Spectrum:
 
 
 def spectrum(time: ArrayLike, eta: ArrayLike, segment: float | None = None) -> Spectrum:
-    """Welch's estimate: Hann windows of `segment` [s] (an eighth of the record if None), half overlapping, mean
-    removed.
-    """
+    """Welch's estimate: Hann windows of `segment` [s], an eighth of the record if None, half overlapping."""
     from scipy.signal import welch
 
     t, z = np.asarray(time, dtype=float), np.asarray(eta, dtype=float)

@@ -1,6 +1,4 @@
-"""When to measure: after the reflected wave has become steady at every gauge, before anything comes back a second
-time.
-"""
+"""When to measure: once the reflected wave is steady at every gauge, before anything comes back a second time."""
 
 from __future__ import annotations
 
