@@ -78,6 +78,36 @@ def test_pictures_show_makers_sponges_and_still_water(tmp_path, maker):
     assert (np.abs(opened - made) > 0.2).sum() > 100
 
 
+@pytest.mark.parametrize("limits", [(0.0, 1.0), (0.0, 0.02), (-0.02, 0.02), (0.24, 0.26), (0.0, 2500.0)])
+def test_the_name_of_an_axis_stands_clear_of_its_numbers_and_in_the_picture(limits):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from houle.output import drawing
+
+    with drawing.style():
+        page = drawing.sheet(1, 1, (7.5, 1.4), "title", "words")
+        page.panels[0].set(xlim=(0, 1), ylim=limits)
+        page.label_outside("x [m]", "z [m]")
+        drawn = FigureCanvasAgg(page.figure).get_renderer()
+        (name,) = [t for t in page.panels[0].texts if t.get_text() == "z [m]"]
+        numbers = [t for t in page.panels[0].texts if t.get_ha() == "right"]
+        assert len(numbers) > 2
+        name = name.get_window_extent(drawn)
+        assert name.x1 < min(t.get_window_extent(drawn).x0 for t in numbers)
+        assert name.x0 > 0
+
+
+def test_suction_is_seen_and_round_off_is_not():
+    from houle.output.section import pressure_scale
+
+    def frame(low):
+        return SimpleNamespace(pressure=np.linspace(low, 1000.0, 200))
+
+    assert pressure_scale([frame(-1e-3), frame(-20.0)]).vmin == 0.0
+    scale = pressure_scale([frame(0.0), frame(-800.0)])
+    assert -0.8 < scale.vmin < -0.75 and 0.99 < scale.vmax < 1.0
+
+
 def test_laboratory_points_are_drawn_and_scored(tmp_path):
     from houle import laboratory
     from houle.output import drawing, pictures

@@ -41,6 +41,7 @@ STONE, STONE_LINE, SOLID = "#f3efe6", "#8c8069", "#c3c8cc"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
 DPI = 150
 TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
+DIGIT, WIDTHS = 0.64, {".": 0.32, "−": 0.84}  # of letters in numbers, of their size
 COMPRESSION = 1  # of PNG: a third of the time of the usual 6
 
 _STYLE: dict[str, Any] = {
@@ -121,15 +122,12 @@ class Sheet:
             borderaxespad=0,
         )
 
-    def label_outside(self, x: str, y: str, away: float = 31.0) -> None:
-        """Axis labels and numbers at the left and lower sides of the sheet only, once the limits are set.
-
-        y: so many points away.
-        """
+    def label_outside(self, x: str, y: str) -> None:
+        """Axis labels and numbers at the left and lower sides of the sheet only, once the limits are set."""
         for i, panel in enumerate(self.panels):
-            last = i + self.columns >= len(self.panels)
-            label(panel, x if last else "", y if i % self.columns == 0 else "", away)
-            scales(panel, last, i % self.columns == 0)
+            last, first = i + self.columns >= len(self.panels), i % self.columns == 0
+            wide = scales(panel, last, first)
+            label(panel, x if last else "", y if first else "", max(31.0, wide + 0.75 * TEXT))
 
 
 @contextlib.contextmanager
@@ -170,8 +168,12 @@ def sheet(
     return Sheet(figure, panels, columns)
 
 
-def scales(panel: Axes, below: bool, left: bool) -> None:
-    """Ticks on the lower and the left side within the present limits, with numbers where it is said."""
+def scales(panel: Axes, below: bool, left: bool) -> float:
+    """Ticks on the lower and the left side within the present limits, with numbers where it is said.
+
+    Returns how far the numbers at the left reach beyond the panel [points], 0 without.
+    """
+    reach = 0.0
     for sideways, limits, numbers in ((False, panel.get_xlim(), below), (True, panel.get_ylim(), left)):
         low, high = sorted(limits)
         air = 1e-9 * (high - low)
@@ -190,6 +192,9 @@ def scales(panel: Axes, below: bool, left: bool) -> None:
         for tick, words in zip(at, as_numbers(at), strict=True):
             x, y = (0.0, tick) if sideways else (tick, 0.0)
             panel.text(x, y, words, transform=place, **look)
+            if sideways:
+                reach = max(reach, 6.5 + TEXT * sum(WIDTHS.get(letter, DIGIT) for letter in words))
+    return reach
 
 
 def as_numbers(values: Sequence[float]) -> list[str]:

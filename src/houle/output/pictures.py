@@ -63,7 +63,7 @@ def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: la
             section.draw_paddles(panel, x[~np.isnan(eta)])
             _laboratory(panel, points, time, case)
             headings(panel, f"t = {time:.4g} s", f"rms {1e3 * rms[time]:.1f} mm" if time in rms else "")
-        page.label_outside("x [m]", "z [m]", away=42.0 if section.floor else 31.0)
+        page.label_outside("x [m]", "z [m]")
         page.legend([Line2D([], [], color=WATER, lw=1.5, label="computed"), *_laboratory_key(points, case)])
         return page.save(path)
 

@@ -19,6 +19,7 @@ from houle.output.drawing import Sheet, sheet
 WIDER = 1.42  # side of a mark over that of the square the particle fills: the water has no gaps
 STRETCHED = 5.5  # longest panel, length over height; a longer flume is stretched upwards
 LOW = 0.12  # share of the still water depth below which waves are too low to be seen beside it
+SUCTION = 0.1  # of the largest pressure: less is round-off and splashes
 CLOSE = 1.6  # heights of such waves that are shown above and below still water
 
 
@@ -136,10 +137,11 @@ def _spread(values: FloatArray, reach: int, axis: int) -> FloatArray:
 
 
 def pressure_scale(frames: Iterable[Frame]) -> Normalize:
-    """[kPa] from 0 to the largest pressure, a few outliers left out."""
-    return Normalize(
-        0.0, max([1e-3, *(float(np.quantile(f.pressure, 0.999)) / 1e3 for f in frames if len(f.pressure))])
-    )
+    """[kPa] from 0, or from the suction in closed ducts, to the largest pressure; a few outliers left out."""
+    ends = np.array([np.quantile(f.pressure, (0.01, 0.999)) / 1e3 for f in frames if len(f.pressure)]).reshape(-1, 2)
+    high = float(max([1e-3, *ends[:, 1]]))
+    low = float(min([0.0, *ends[:, 0]]))
+    return Normalize(low if low < -SUCTION * high else 0.0, high)
 
 
 def colour_bar(page: Sheet, marks: Any, words: str) -> None:
