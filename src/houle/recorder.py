@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 Sample = dict[str, NDArray[np.float64] | float]
 PREFIX = "recorder."
+SAME = 1e-6  # of an interval between frames
 
 
 def multiple(k: int, interval: float) -> float:
@@ -74,8 +75,12 @@ class Recorder:
 
     @property
     def stop(self) -> float:
-        """The time [s] of the next frame, which no step may pass: a multiple of `every`, or the end."""
-        return min(multiple(self.frames, self.every), self.end)
+        """The time [s] of the next frame, which no step may pass: a multiple of `every`, or the end.
+
+        The end where the two are the same but for round-off, 3 * 0.1: a step between them would be no step.
+        """
+        due = multiple(self.frames, self.every)
+        return due if due < self.end - SAME * self.every else self.end
 
     @property
     def last(self) -> Observed:

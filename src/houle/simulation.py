@@ -33,7 +33,7 @@ from houle.room import Room
 from houle.seeding import seed
 from houle.sides import OpenSide
 from houle.step import STEPS
-from houle.tables.control import WAVE_SHARE
+from houle.tables.control import SHORTEST, WAVE_SHARE
 from houle.tables.tank import Porous
 from houle.transfer import make
 from houle.waves.makers import Stream, damping, make_maker
@@ -174,8 +174,8 @@ class Simulation:
     def advance(self, stop: float) -> None:
         """One time step, never past `stop` [s]; the last step to it is as long as those before."""
         self._make_room()
-        remaining = stop - self.time
-        count = max(1, math.ceil(remaining / self._largest_step() - 1e-9))
+        remaining, largest = stop - self.time, self._largest_step()
+        count = max(1, math.ceil(remaining / largest - 1e-9))
         last, self.step_size = self.step_size, remaining / count
         self._place_gates()
         self.flow.time = self.time
@@ -188,7 +188,7 @@ class Simulation:
             self.observers.after_step(self.step_size)
             self.time = stop if count == 1 else self.time + self.step_size
             self.steps += 1
-            self._check()
+            self._check(largest)
         except SimulationError as error:
             error.step, error.time = self.steps, self.time
             raise
@@ -234,17 +234,16 @@ class Simulation:
             rows.append((face * h[0], bottom))
         flow.open_faces, flow.gates = [across, *self.medium.open_faces[1:]], np.array(rows)
 
-    def _check(self) -> None:
-        """Stops a run that is no longer a flow."""
+    def _check(self, largest: float) -> None:
+        """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
         p = self.particles
         if not (_core.all_finite(p.velocity) and _core.all_finite(p.position)):
             raise SimulationError(
                 "the velocity is no longer a number", diagnosis="A particle velocity became infinite or not a number."
             )
-        if self.step_size < 1e-6 * math.sqrt(self.grid.spacing[-1] / max(9.81, *map(abs, self.flow.gravity))):
+        if largest < SHORTEST * math.sqrt(self.grid.spacing[-1] / max(9.81, *map(abs, self.flow.gravity))):
             raise SimulationError(
-                f"the time step has shrunk to {self.step_size:.1e} s: "
-                f"some water moves at {np.abs(p.velocity).max():.3g} m/s",
+                f"the time step has shrunk to {largest:.1e} s: some water moves at {np.abs(p.velocity).max():.3g} m/s",
                 diagnosis="A few particles have a speed without physical cause; another transfer or kernel may not.",
             )
         drift = self.volume_drift
