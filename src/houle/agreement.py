@@ -14,6 +14,8 @@ PREFIXES = {  # of names
     "sensor": "P", "runup": "R", "overtopping": "O", "force": "F", "phreatic": "L", "flux": "Q",
 }  # fmt: skip
 
+WEAK = 1e-3  # [m/s2] gravity that makes no waves worth the name
+
 
 def disagreements(case: Case) -> list[str]:
     """One line per finding: key, value, cure."""
@@ -31,6 +33,11 @@ def disagreements(case: Case) -> list[str]:
             found.append(f"{place} has {len(sensor.at)} numbers, domain.size has {d}: give {d}")
     if case.fluid.acceleration is not None and len(case.fluid.acceleration) != d:
         found.append(f"fluid.acceleration has {len(case.fluid.acceleration)} numbers, domain.size has {d}: give {d}")
+    if case.fluid.gravity < WEAK and (need := [k for k in ("waves", "absorber", "open") if getattr(case, k)]):
+        found.append(
+            f"fluid.gravity = {case.fluid.gravity:g} m/s2: there are no waves without gravity, and [{need[0]}] needs "
+            f"them: gravity >= {WEAK:g}"
+        )
     if case.waves is not None and case.waves.direction and d == 2:
         found.append(f"waves.direction = {case.waves.direction:g} degrees in 2D, where waves go along x: remove it")
     for key in ("gauge", "phreatic"):

@@ -158,6 +158,9 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
         override(data, key, value)
         if key in ("time.step", "time.courant"):
             data["time"].pop("courant" if key == "time.step" else "step", None)
+    if immense := list(case_errors.immense(data)):
+        text = f"is beyond any measure: 0, or between {case_errors.SMALLEST:g} and {case_errors.LARGEST:g}, in SI units"
+        raise CaseError(case_errors.several([f"{case_errors.told(loc, data)} {text}" for loc in immense]))
     try:
         case = Case.model_validate(data)
     except ValidationError as error:

@@ -9,13 +9,17 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from math import inf
 from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
+NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"  # of a case, a body, a gauge
 MOST = 5  # findings told at once
+LONGEST = 80  # letters of a value that are told
+SMALLEST, LARGEST = 1e-20, 1e20  # of numbers that are not 0
 
 LENGTHS = ((1e-3, "mm"), (1e-2, "cm"))
 # key: (typical lowest, typical highest, ((factor to SI, unit the reader may have meant), ...))
@@ -35,9 +39,9 @@ UNITS: dict[str, tuple[float, float, tuple[tuple[float, str], ...]]] = {
     "permeability": (1e-13, 1e-2, ((1e-6, "mm2"), (1e-12, "darcy"))),
     "speed": (0.01, 20.0, ((1e-2, "cm/s"), (1e-3, "mm/s"), (-1.0, ""))),
     "end": (0.01, 1e5, ((1e-3, "ms"),)),
-    "courant": (0.01, 1.0, ((0.01, "%"),)),
-    "flip": (0.01, 1.0, ((0.01, "%"),)),
-    "correction": (0.01, 1.0, ((0.01, "%"),)),
+    "courant": (0.1, 1.0, ((0.01, "%"),)),
+    "flip": (0.1, 1.0, ((0.01, "%"),)),
+    "correction": (0.1, 1.0, ((0.01, "%"),)),
 }
 SAME = {  # what other codes and papers call our keys
     "n": "porosity", "por": "porosity", "d50": "grain_diameter", "D50": "grain_diameter", "diameter": "grain_diameter",
@@ -72,10 +76,16 @@ def show(value: Any) -> str:
     return json.dumps(str(value), ensure_ascii=False)
 
 
+def shortened(text: str) -> str:
+    """A long list or number with its middle left out."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} ... {text[-LONGEST // 4 :]}"
+
+
 def nearest(word: str, words: Iterable[str]) -> str:
-    """' Did you mean "..."?' or nothing."""
-    found = difflib.get_close_matches(word, list(words), n=1, cutoff=0.5)
-    return f' Did you mean "{found[0]}"?' if found else ""
+    """' Did you mean "..."?' or nothing; capital letters do not matter."""
+    small = {w.lower(): w for w in words}
+    found = difflib.get_close_matches(word.lower(), list(small), n=1, cutoff=0.5)
+    return f' Did you mean "{small[found[0]]}"?' if found else ""
 
 
 def guess(key: str, value: Any, upper: float | None = None) -> str:
@@ -108,11 +118,28 @@ def place(loc: Iterable[str | int], data: Any) -> str:
                 name = data.get("name") if isinstance(data, Mapping) else getattr(data, "name", None)
             except (IndexError, KeyError, TypeError):
                 data = None
-            text += f".{name}" if isinstance(name, str) and name else f"[{part}]"
+            text += f".{name}" if isinstance(name, str) and re.fullmatch(NAME, name) else f"[{part}]"
         else:
             data = data.get(part) if isinstance(data, Mapping) else None
             text += f".{part}" if text else part
     return text
+
+
+def immense(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Where numbers stand, of any unit, that no computation carries: their squares or inverses overflow."""
+    if isinstance(data, Mapping | list | tuple):
+        for key, value in data.items() if isinstance(data, Mapping) else enumerate(data):
+            yield from immense(value, (*loc, key))
+    elif isinstance(data, int | float) and data and abs(data) < inf and not SMALLEST <= abs(data) <= LARGEST:
+        yield loc
+
+
+def told(loc: Iterable[str | int], data: Any) -> str:
+    """porous.dam.porosity = 45: the place and what stands there."""
+    value = data
+    for part in loc:
+        value = value[part]
+    return f"{place(loc, data)} = {shortened(show(value))}"
 
 
 def explain(error: ValidationError, model: type[BaseModel], data: dict[str, Any]) -> str:
@@ -150,7 +177,7 @@ def _lines(error: Any, model: type[BaseModel], data: dict[str, Any]) -> list[str
     if kind == "value_error":
         own = str(error["ctx"]["error"]).split("\n")
         return [where + ("" if m[0] == ":" else " " if m[0] == "=" else "." if where else "") + m for m in own]
-    shown = f"{where} = {show(value)}"
+    shown = f"{where} = {shortened(show(value))}"
     if kind == "finite_number":
         return [f"{shown} is not a finite number{_allowed(key, field)}"]
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
@@ -173,7 +200,7 @@ def _wrong_type(shown: str, kind: str, value: Any, key: str, field: FieldInfo | 
     wanted = KINDS.get(kind, kind)
     cure = ""
     if isinstance(value, str) and kind in ("float_type", "int_type"):
-        number = re.match(r"\s*([-+0-9.eE]+)\s*(.*)$", value)
+        number = re.match(r"\s*([-+]?\.?[0-9][-+0-9.eE]*)\s*(.*)$", value)
         cure = f" Write it without quotes, in SI units: {number[1]}" if number and not number[2] else ""
         cure = cure or (" Write the number alone, in SI units." if number else "")
     if kind == "tuple_type" and isinstance(value, Mapping) and top:

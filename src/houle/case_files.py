@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from houle.case_errors import nearest, show, toml_line
+from houle.case_errors import NAME, nearest, show, toml_line
 from houle.errors import CaseError
 
 if sys.version_info >= (3, 11):
@@ -16,7 +16,6 @@ else:
     import tomli as tomllib
 
 SHIPPED = Path(__file__).parent / "validation"  # one folder per shipped case, each with a case.toml
-NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
 
 
 def shipped() -> list[str]:
@@ -42,7 +41,7 @@ def find(source: str | Path) -> Path:
 def read_toml(path: Path) -> dict[str, Any]:
     """Tables of a TOML file. Raises CaseError with the line when it cannot be read."""
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = path.read_bytes().decode("utf-8-sig")  # Windows may put a mark in front
     except UnicodeDecodeError as error:
         raise CaseError(f"{path} is not a text file in UTF-8 (byte {error.start}): save it as UTF-8 text") from None
     except OSError as error:

@@ -81,7 +81,7 @@ def _passport(p: Passport) -> Table:
 
 def _price(case: Case, threads: int) -> str:
     p = preflight.price(case, threads)
-    minutes = f"{p.minutes:.0f} min" if p.minutes >= 1.5 else f"{60 * p.minutes:.0f} s"
+    minutes = f"{p.minutes:.0f} min" if p.minutes >= 1.5 else f"{max(1.0, 60 * p.minutes):.0f} s"
     work = f"{p.particles} particles, {p.steps} steps of {1000 * p.step:.2g} ms"
     on = f"{minutes} on {threads} thread{'s' if threads > 1 else ''}"
     least, most = p.memory / 1e6, p.most_memory / 1e6

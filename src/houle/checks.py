@@ -24,6 +24,7 @@ from houle.errors import CaseError
 from houle.layout import Finding, Section, axes
 from houle.open_checks import open_sides_fit
 from houle.paddle_checks import paddles_fit
+from houle.tables.control import SHORTEST, WAVE_SHARE
 from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
@@ -144,7 +145,7 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
             )
         d = body.entry.grain_diameter
         if d is not None and d > thick / 3:
-            hint = guess("grain_diameter", d, upper=thick / 3)
+            hint = guess("grain_diameter", d, upper=thick / 3) if d > thick else ""
             yield Finding(
                 "error" if d > thick else "warning",
                 f"{body.key}.grain_diameter",
@@ -258,6 +259,12 @@ def times(s: Section) -> Iterator[Finding]:
         text = f"= {out.series_every:g} s is longer than output.every = {out.every:g} s: 0.005 is usual"
         yield Finding("warning", "output.series_every", text)
     speed, h = expected_speed(s), min(s.grid.spacing)
+    natural = sqrt(s.grid.spacing[-1] / max(9.81, *map(abs, s.case.acceleration)))  # of the water in a cell [s]
+    asked = {"output.every": out.every, "time.step": t.step, "time.courant": t.courant * WAVE_SHARE * natural}
+    for key, step in asked.items():
+        if step is not None and step < 10 * SHORTEST * natural:
+            text = f"makes steps of {step:.2g} s, the water needs some {0.5 * WAVE_SHARE * natural:.1g} s"
+            yield Finding("error", key, f"{text}: give a larger value, or leave it out")
     if t.step is not None and (cells := t.step * speed / h) > 1:
         yield Finding(
             "warning",
@@ -272,9 +279,9 @@ def times(s: Section) -> Iterator[Finding]:
 
 
 def expected_speed(s: Section) -> float:
-    """sqrt(2 g times the drop of level), at least a tenth of the long-wave speed sqrt(g d) [m/s]."""
+    """sqrt(2 g times the drop of level), at least a tenth of the long-wave speed sqrt(g d), d a cell or more [m/s]."""
     g = max(s.case.fluid.gravity, 1e-12)
-    return max(sqrt(2 * g * s.drop()), 0.1 * sqrt(g * s.depth()))
+    return max(sqrt(2 * g * s.drop()), 0.1 * sqrt(g * max(s.depth(), s.grid.spacing[-1])))
 
 
 def materials(s: Section) -> Iterator[Finding]:

@@ -12,10 +12,7 @@ from houle.errors import CaseError
 
 def header(file: Path, key: str, error: type[CaseError] = CaseError) -> list[str]:
     """The names of the columns. Raises `error` when the file, named by `key` of the case file, cannot be read."""
-    try:
-        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
-    except OSError as problem:
-        raise error(f"{key} = {file} cannot be read: {problem.strerror}") from None
+    lines = _lines(file, key, error)
     return [name.strip() for name in lines[0].split(",")] if lines else []
 
 
@@ -26,13 +23,22 @@ def read_columns(
 
     `key` of the case file names the file. Raises `error` when it cannot be read, or is no such table.
     """
+    lines = _lines(file, key, error)
     try:
-        lines = [s for s in file.read_text(encoding="utf-8").splitlines() if s.strip() and not s.startswith("#")]
         header = [name.strip() for name in lines[0].split(",")]
         rows = np.array([[float(word) for word in line.split(",")] for line in lines[1:]])
         return [rows[:, header.index(name)] for name in columns], rows
-    except OSError as problem:
-        raise error(f"{key} = {file} cannot be read: {problem.strerror}") from None
     except (ValueError, IndexError) as problem:
-        wanted = f"the header {','.join(columns)} and a number in every column"
+        wanted = f"the header {','.join(columns)}, numbers with a decimal point, commas between them"
         raise error(f"{key} = {file} is not a table with {wanted} ({problem})") from None
+
+
+def _lines(file: Path, key: str, error: type[CaseError]) -> list[str]:
+    """Those that are neither empty nor comments, from text as Windows writes it as well."""
+    try:
+        text = file.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise error(f"{key} = {file} is not text in UTF-8 (byte {problem.start}): save it as UTF-8 text") from None
+    except (OSError, ValueError) as problem:
+        raise error(f"{key} = {file} cannot be read: {getattr(problem, 'strerror', None) or problem}") from None
+    return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.csv_table import read_columns
+from houle.errors import CaseError
 
 if TYPE_CHECKING:
     from houle.case import Case
@@ -59,7 +60,9 @@ def path(case: Case) -> Path | None:
 
 def read(file: Path) -> Points:
     """The points of a CSV file: comment lines (#), a header t_s,x_m,eta_m, numbers. Raises CaseError."""
-    (time, x, eta), _ = read_columns(file, COLUMNS, "reference.surface")
+    (time, x, eta), rows = read_columns(file, COLUMNS, "reference.surface")
+    if not np.all(np.isfinite(rows)):
+        raise CaseError(f"reference.surface = {file} holds a number that is not finite: leave out points without level")
     order = np.argsort(time, kind="stable")
     return Points(time[order], x[order], eta[order])
 

@@ -83,10 +83,11 @@ class Section:
         return shapely.difference(self.area(self.water, layer), self.area(self.solid, layer))
 
     def tops(self, areas: list[shapely.Geometry]) -> FloatArray:
-        """Top [m] of an area per layer over evenly spaced columns; 0 where there is none."""
-        x = (np.arange(COLUMNS) + 0.5) / COLUMNS * self.window[2]
-        ends = np.stack([np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3])], axis=1)
-        columns = shapely.linestrings(ends)
+        """Top [m] of an area per layer over evenly spaced columns and the middles of shapes; 0 where there is none."""
+        ends = [np.clip([b.shape.bounds[0][0], b.shape.bounds[1][0]], 0.0, self.window[2]) for b in self.bodies]
+        x = np.concatenate([(np.arange(COLUMNS) + 0.5) / COLUMNS * self.window[2], np.mean(ends, axis=1)])
+        feet, heads = (np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3]))
+        columns = shapely.linestrings(np.stack([feet, heads], axis=1))
         return np.array([np.nan_to_num(shapely.bounds(shapely.intersection(columns, a))[:, 3]) for a in areas])
 
     def depth(self) -> float:
@@ -97,7 +98,7 @@ class Section:
         """Highest minus lowest level of the water at the start [m]; where it is dry the floor counts."""
         water = self.tops([self.open_water(y) for y in self.layers])
         floor = self.tops([self.area(self.solid, y) for y in self.layers])
-        return float(water.max() - np.maximum(water, floor).min())
+        return max(0.0, float(water.max() - np.maximum(water, floor).min()))
 
     def particles(self) -> float:
         """How many the water is made of: 2 per cell and axis."""

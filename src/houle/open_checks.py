@@ -87,7 +87,7 @@ def _speeds(known: dict[str, Record], depth: float) -> np.ndarray | None:
     """Velocities into the tank [m/s] at the points of the record; None when only a level is given."""
     if "velocity" in known:
         return known["velocity"].value
-    return known["discharge"].value / depth if "discharge" in known else None
+    return known["discharge"].value / depth if "discharge" in known and depth > 0 else None
 
 
 def _level(s: Section, wanted: Record, key: str, depth: float, level: float) -> Iterator[Finding]:
@@ -124,7 +124,8 @@ def _balance(s: Section, known: list[dict[str, Record]]) -> Iterator[Finding]:
     for table, k in zip(case.open, known, strict=True):
         depth = _at(s, table)[0]
         speeds = _speeds(k, depth)
-        assert speeds is not None
+        if speeds is None:
+            return  # no water there, which is said already
         time = next(iter(k.values())).time
         t = np.linspace(0.0, case.time.end, 1001)
         net += float(np.trapezoid(np.interp(t, time, speeds), t)) * depth

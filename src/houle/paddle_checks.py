@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import sqrt
+from math import pi, sqrt
 
 import numpy as np
 import shapely
@@ -15,6 +15,7 @@ from houle.errors import CaseError
 from houle.layout import Finding, Section
 from houle.paddle import ROOM
 from houle.wave_checks import columns
+from houle.waves.dispersion import wave_number
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
@@ -88,6 +89,7 @@ def paddles_fit(s: Section) -> Iterator[Finding]:
             yield Finding("error", "waves.piston", f": {error}")
         return
     yield from _alone(s, walls)
+    yield from _periods(s)
     for wall in walls:
         found = list(_room(s, wall))
         yield from found
@@ -121,6 +123,18 @@ def _alone(s: Section, walls: list[MovingWall]) -> Iterator[Finding]:
         yield Finding("error", key, "and a [[gate]] cannot stand in one tank: remove one")
     if case.numerics.scheme == "jh2020" or case.numerics.remesh == "paper":
         yield Finding("error", key, 'needs numerics.scheme = "houle" with remesh = "conservative" or "none"')
+
+
+def _periods(s: Section) -> Iterator[Finding]:
+    """An absorber is tuned to waves that the grid carries."""
+    depth, h = s.depth(), s.grid.spacing[0]
+    for i, table in enumerate(s.case.absorber):
+        if table.period is None or depth <= 0:
+            continue
+        length = 2 * pi / float(wave_number(2 * pi / table.period, depth, s.case.fluid.gravity))
+        if length < 2 * h:
+            text = f"= {table.period:g} s: waves of {length:.2g} m, less than two cells of {h:.3g} m; give that of "
+            yield Finding("error", f"{place(('absorber', i), s.case.__dict__)}.period", f"{text}the waves that come")
 
 
 def _room(s: Section, wall: MovingWall) -> Iterator[Finding]:

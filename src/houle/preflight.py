@@ -36,7 +36,13 @@ class Price:
     minutes: float  # on the threads asked for
     memory: float  # [bytes] at the start
     most_memory: float  # [bytes] when water has been everywhere
-    disk: float  # [bytes]
+    frames: float  # [bytes] of fields
+    rows: float  # [bytes] of gauges, sensors and ledger
+
+    @property
+    def disk(self) -> float:
+        """[bytes] of results."""
+        return self.frames + self.rows
 
 
 def passports(case: Case) -> list[Passport]:
@@ -74,7 +80,8 @@ def price(case: Case, threads: int = 1) -> Price:
         minutes=particles * steps * MICROSECONDS * 1e-6 / 60 / threads**0.75,
         memory=memory(case, particles, first_rows(case)),
         most_memory=memory(case, particles, g.shape[-1]),
-        disk=0.6 * frames * per_frame + rows,
+        frames=0.6 * frames * per_frame,
+        rows=rows,
     )
 
 

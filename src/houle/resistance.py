@@ -217,10 +217,11 @@ def passport(body: Porous, fluid: Fluid, velocity: float | None = None, gradient
     law = LAWS.get(r.law or "")
     taken = {**law.coefficients, **r.given} if law else {}
     values = ", ".join(f"{k} = {v:g}" for k, v in taken.items() if v < inf)
+    named = f"{r.law}: {values}" if values else str(r.law)
     reynolds = u * d / fluid.viscosity if d is not None and fluid.viscosity and u < inf else None
     return Passport(
         name=body.name,
-        words=f"{r.law}: {values}" if law else ("permeability, forchheimer" if r.permeability is not None else "a, b"),
+        words=named if law else ("permeability, forchheimer" if r.permeability is not None else "a, b"),
         source=law.source if law else "given in the case file",
         status=law.status if law else "",
         porosity=n,

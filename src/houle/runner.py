@@ -255,11 +255,13 @@ def check_outputs(case: Case, directory: Path) -> None:
     if case.output.movie and find_spec("imageio_ffmpeg") is None:
         raise CaseError('output.movie = true needs an encoder: pip install "houle[movie]", or leave it out')
     there = next(p for p in directory.absolute().parents if p.exists())
-    needed, free = price(case).disk / PRICE_ACCURACY, shutil.disk_usage(there).free
+    estimate, free = price(case), shutil.disk_usage(there).free
+    needed = estimate.disk / PRICE_ACCURACY
     if needed > free:
+        key = "every" if estimate.frames > estimate.rows else "series_every"
         raise CaseError(
-            f"output.every = {case.output.every:g} s writes at least {needed / 1e9:.2g} GB, {there} has "
-            f"{free / 1e9:.2g} GB free: free some space, write elsewhere with --out, or set a longer output.every"
+            f"output.{key} = {getattr(case.output, key):g} s writes at least {needed / 1e9:.2g} GB, {there} has "
+            f"{free / 1e9:.2g} GB free: free some space, write elsewhere with --out, or set a longer output.{key}"
         )
 
 

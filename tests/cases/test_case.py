@@ -135,6 +135,7 @@ BAD = [
     ("porous.dam.porosty", 0.4, ["porous.dam.porosty", 'Did you mean "porosity"?']),
     ("porous.dam.d50", 0.02, ["porous.dam.d50", 'Did you mean "grain_diameter"?']),
     ("porous.dam.resistance.law", "ergun", ['"ergun"', 'Did you mean "ergun-1952"?', "van-gent-1995"]),
+    ("porous.dam.resistance.law", "Jensen-2014", ['"Jensen-2014"', 'Did you mean "jensen-2014"?']),
     ("porous.dam.resistance", {"a": 1.0}, ["porous.dam.resistance", "both a and b"]),
     ("porous.dam.resistance", {"law": "ergun-1952", "kc": 10.0}, ["kc does not belong to ergun-1952"]),
     ("porous.dam.resistance", {"law": "olaflow", "a": 1.0, "b": 2.0}, ["law, a, b given"]),
@@ -143,6 +144,8 @@ BAD = [
     ("domain.spacing", 5, ["domain.spacing = 5", "0.892 x 0.58 m", "Did you mean 0.005 (5 mm)?"]),
     ("domain.spacing", 0.0, ["domain.spacing = 0.0", "0 < spacing [m]"]),
     ("domain.spacing", float("inf"), ["domain.spacing = inf", "finite"]),
+    ("domain.spacing", 1e-9, ["spacing = 1e-09 makes 5.2e+17 cells", "at most 1e+15", "from spacing = 2.3e-08 m on"]),
+    ("domain.spacing", 1e-300, ["domain.spacing = 1e-300 is beyond any measure", "between 1e-20 and 1e+20"]),
     ("domain.size", [0.892], ["domain.size", "at least 2"]),
     ("domain.size", [0.892, -0.58], ["domain.size[1] = -0.58", "0 < size"]),
     ("domain.walls", "open", ['domain.walls = "open"', '"slip", "no-slip"', "[[open]]"]),
@@ -155,6 +158,7 @@ BAD = [
     ("sensor.0.at", [0.4, 0.1, 0.2], ["sensor.P1.at has 3 numbers", "give 2"]),
     ("gauge.0.y", 0.1, ["gauge.G1.y", "2D"]),
     ("gauge.0.name", "end", ["gauge", "end is given twice"]),
+    ("gauge.1.name", "my gauge", ['gauge[1].name = "my gauge" is not a name']),
     (
         "waves",
         {"kind": "regular", "height": 0.04, "depth": 0.25, "source": {"x": 0.4}},
@@ -174,6 +178,10 @@ BAD = [
     ("time", {"end": 2.0, "step": 0.01, "courant": 0.5}, ["time.step", "courant", "keep one"]),
     ("time", {}, ["time.end is missing", "[s]"]),
     ("time.end", "2 s", ['time.end = "2 s"', "a number", "[s]"]),
+    ("time.end", 10**400, ["time.end = 1000", " ... 000"]),
+    ("time.end", ".", ['time.end = "." is of the wrong kind: a number is needed, 0 < end <= 1e+06 [s].']),
+    ("numerics.flip", 1.5, ["numerics.flip = 1.5 is outside 0 <= flip <= 1."]),
+    ("numerics.flip", 95, ["numerics.flip = 95 is outside 0 <= flip <= 1. Did you mean 0.95?"]),
     ("output.movie", 1, ["output.movie = 1", "true or false"]),
     ("porous", {"box": []}, ["porous", "Write [[porous]] instead of [porous]"]),
     ("case.name", "my case", ['case.name = "my case"', "letters, digits"]),
@@ -226,6 +234,17 @@ def test_invalid_toml_is_told_with_its_line(tmp_path):
     file.write_text('[case]\nname = "x"\nsize = [1, 2\n[time]\n')
     with pytest.raises(CaseError, match=r"not valid TOML.*line 4.*\[time\]"):
         load(file)
+
+
+def test_files_as_windows_writes_them(tmp_path):
+    file = tmp_path / "case.toml"
+    file.write_bytes(b"\xef\xbb\xbf" + dam().to_toml().replace("\n", "\r\n").encode())
+    assert load(file).hash == dam().hash
+
+
+def test_what_makes_waves_needs_gravity():
+    with pytest.raises(CaseError, match=r"fluid.gravity = 0 m/s2: .*\[open\] needs them: gravity >= 0.001"):
+        dam(fluid__gravity=0.0, open=[{"side": "left", "level": 0.1}])
 
 
 def test_files_that_cannot_be_read(tmp_path):

@@ -5,7 +5,7 @@ import copy
 import pytest
 from matplotlib.image import imread
 
-from houle import checks, preflight
+from houle import checks, layout, preflight
 from houle.case import load
 from houle.case_files import shipped
 from houle.errors import CaseError
@@ -75,6 +75,7 @@ ERRORS = {
         {"water": [{"box": [[0.0, 0.0], [0.5, 0.3]]}], "solid": [{"box": [[0.4, 0.0], [0.7, 0.2]]}]},
         ["water[0]", "0.02 m2", "x 0.4 to 0.5", "below = level"],
     ),
+    "a solid everywhere": ({"solid": [{"below": 0.5}]}, ["water covers nothing"]),
     "no water": (
         {"water": [{"box": [[0.4, 0.0], [0.5, 0.3]]}], "solid": [{"box": [[0.4, 0.0], [0.5, 0.3]]}]},
         ["water covers nothing"],
@@ -110,6 +111,12 @@ ERRORS = {
         {"fluid": {"viscosity": 0.01}, "time": {"end": 1.0, "step": 0.004}},
         ["time.step = 0.004 s", "fluid.viscosity = 0.01", "at most 0.00124"],
     ),
+    "frames without end": (
+        {"output": {"every": 1e-9}},
+        ["output.every makes steps of 1e-09 s, the water needs some 0.005"],
+    ),
+    "step in the wrong unit": ({"time": {"end": 1.0, "step": 1e-9}}, ["time.step makes steps of 1e-09 s", "leave it"]),
+    "courant": ({"time": {"end": 1.0, "courant": 1e-9}}, ["time.courant makes steps of 1", "or leave it out"]),
     "gate outside": ({"gate": [{"x": 1.3, "speed": 1.0}]}, ["gate[0].x = 1.3", "0 < x < 1 m"]),
 }
 
@@ -180,6 +187,12 @@ def test_the_drop_of_the_level():
     assert checks.Section(dam).drop() == pytest.approx(0.2)
     beach = tank(solid=[{"polygon": [[0.5, 0.0], [1.0, 0.0], [1.0, 0.45]]}])
     assert checks.Section(beach).drop() == pytest.approx(0)  # the dry beach is no drop
+
+
+def test_a_column_of_water_thinner_than_what_is_sampled_is_seen():
+    case = tank(water=[{"box": [[0.0005, 0.0], [0.0015, 0.3]]}])
+    assert layout.Section(case).depth() == pytest.approx(0.3)
+    assert preflight.price(case).steps > 100
 
 
 def test_three_dimensions_are_looked_at_layer_by_layer():

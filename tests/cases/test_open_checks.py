@@ -43,6 +43,11 @@ DOUBTS = {
         "error",
         "reaches to the open right side",
     ),
+    "dry, with a discharge": (
+        {"water": [{"box": [[1.0, 0.0], [2.0, 0.25]]}], "sides": [{"side": "left", "discharge": 0.1}]},
+        "error",
+        "two cells",
+    ),
     "joined": ({"domain": {"size": [4.0, 0.4], "spacing": 0.02, "walls": {"x": "periodic"}}}, "error", "periodic"),
     "lid": ({"sides": [{"side": "right", "level": 0.45}]}, "error", "the lid, 0.4 m"),
     "step": ({"sides": [{"side": "right", "level": 0.3}]}, "warning", "that of the water beside it is 0.25 m"),

@@ -58,6 +58,7 @@ def test_a_solitary_wave_follows_the_water():
         ({"waves__piston__x": 9.0}, r"waves\.piston\.x = 9 lies outside the domain, 0 < x < 8 m"),
         ({"absorber": [{"x": 7.97}]}, r"it goes 0.\d+ m to the right and needs 3 cells.*or longer"),
         ({"absorber": [{"x": 1.0, "side": "left"}]}, r"close the water at its left end: remove one; .*absorb = true"),
+        ({"absorber": [{"x": 7.0, "period": 0.03}]}, r"period = 0.03 s: waves of 0.0014 m, less than two cells of"),
         ({"gate": [{"x": 3.0, "speed": 1.0}]}, r"and a \[\[gate\]\] cannot stand in one tank"),
         ({"numerics": {"scheme": "jh2020"}}, r'needs numerics.scheme = "houle"'),
         ({"domain__walls": {"x": "periodic"}}, r"is a wall across the tank"),

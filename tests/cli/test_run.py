@@ -145,6 +145,17 @@ def test_a_run_leaves_rows_frames_and_a_summary(tank):
 # ---- where it goes
 
 
+def test_an_end_that_is_a_multiple_but_for_round_off_is_one_frame_and_no_step(tank):
+    end = 3 * 0.1
+    assert end > 0.3
+    run = houle.run(tank, overrides={"time.end": end})
+    assert list(run.fields.times) == pytest.approx([0.0, 0.1, 0.2, 0.3])
+    assert (
+        run.summary["finished"]
+        and run.summary["steps"] == houle.run(tank, overrides={"time.end": 0.3}).summary["steps"]
+    )
+
+
 def test_a_second_run_of_a_case_does_not_touch_the_first(tank):
     first, second = houle.run(tank), houle.run(tank)
     assert [str(first.directory), str(second.directory)] == [str(Path("runs/tank")), str(Path("runs/tank-2"))]
@@ -177,6 +188,8 @@ def test_a_disk_that_is_too_small_and_a_missing_encoder_are_said_before_the_run(
     with monkeypatch.context() as patch, pytest.raises(CaseError, match=r"output\.every = 0\.1 s writes at least"):
         patch.setattr(runner.shutil, "disk_usage", lambda path: SimpleNamespace(free=1000))
         houle.run(tank)
+    with pytest.raises(CaseError, match=r"output\.series_every = 1e-15 s writes .* a longer output\.series_every"):
+        houle.run(tank, overrides={"output.series_every": 1e-15})
     monkeypatch.setattr(runner, "find_spec", lambda name: None)
     with pytest.raises(CaseError, match=r"output\.movie = true needs an encoder"):
         houle.run(tank, overrides={"output.movie": True})
@@ -218,6 +231,22 @@ def test_times_after_the_end_and_at_zero_do_not_count(tank):
     points = laboratory.Points(np.array([0.0, 1.0, 2.0]), np.full(3, 0.5), np.array([9.0, 0.5, 0.0]))
     assert laboratory.score(points, surface) == laboratory.Score([0.0, 1.0], [9.0, 0.5], 0.5, 2)
     assert laboratory.score(laboratory.Points(*np.array([[2.0], [0.5], [0.0]])), surface) is None
+
+
+def test_a_laboratory_file_may_come_from_windows(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_bytes(b"\xef\xbb\xbf# by hand\r\nt_s,x_m,eta_m\r\n1,0.5,0.2\r\n")
+    assert laboratory.read(file).eta == [0.2]
+
+
+def test_a_laboratory_file_that_is_not_text_or_has_no_level_says_so(tmp_path):
+    file = tmp_path / "lab.csv"
+    file.write_bytes(b"# d\xe9bit\nt_s,x_m,eta_m\n1,0.5,0.2\n")
+    with pytest.raises(CaseError, match=r"reference\.surface = .* is not text in UTF-8"):
+        laboratory.read(file)
+    file.write_text("t_s,x_m,eta_m\n1,0.5,0.2\n1,0.6,nan\n")
+    with pytest.raises(CaseError, match="leave out points without level"):
+        laboratory.read(file)
 
 
 @pytest.mark.parametrize("text", ["", "t_s,x_m\n1,2\n", "t_s,x_m,eta_m\n1,2\n", "t_s,x_m,eta_m\n1,2,wet\n"])

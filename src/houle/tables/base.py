@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from houle.case_files import NAME
+from houle.case_errors import NAME
 
 Name = Annotated[str, Field(pattern=NAME, max_length=80)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
@@ -13,6 +14,7 @@ from houle.resistance import LAWS
 from houle.tables.base import Name, Point, Point2, Table
 
 Side = Literal["slip", "no-slip"]
+MOST_CELLS = 1e15  # in a domain: they can be numbered; whether they can be held the checks say
 
 
 class Head(Table):
@@ -88,6 +90,12 @@ class Domain(Table):
             raise ValueError(
                 f"spacing = {self.spacing:g} is larger than the domain, {self.size_text}: "
                 f"0 < spacing <= {min(self.size):g} m, best below {min(self.size) / 20:g}.{hint}"
+            )
+        cells = math.prod(length / self.spacing for length in self.size)
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"spacing = {self.spacing:g} makes {cells:.2g} cells of the domain, {self.size_text}: at most "
+                f"{MOST_CELLS:g}, from spacing = {self.spacing * (cells / MOST_CELLS) ** (1 / self.dimension):.2g} m on"
             )
         given = self.walls.model_fields_set
         if self.dimension == 2 and (self.walls.y or (len(given) < 6 and {"front", "back"} & given)):
