@@ -24,11 +24,12 @@ from houle.errors import CaseError
 from houle.layout import Finding, Section, axes
 from houle.open_checks import open_sides_fit
 from houle.paddle_checks import paddles_fit
-from houle.tables.control import SHORTEST, WAVE_SHARE
+from houle.tables.control import SCHEMES, SHORTEST, WAVE_SHARE
 from houle.wave_checks import sponges_fit, waves_fit
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
 ENOUGH = 4.0  # below is a warning
+SELDOM = 50  # steps between remeshings that add water: at every 5 a dam break has half as much again after 0.4 s
 
 
 def check(case: Case) -> list[Finding]:
@@ -298,6 +299,17 @@ def materials(s: Section) -> Iterator[Finding]:
             yield Finding("warning", f"{body.key}.porosity", text)
 
 
+def remeshing(s: Section) -> Iterator[Finding]:
+    """What the paper's remeshing costs."""
+    n = s.case.numerics
+    if n.remesh == "paper" and n.remesh_every < SELDOM:
+        text = (
+            f'= {n.remesh_every}: remesh = "paper" adds water wherever there is a surface, each time; the paper takes '
+            f'{SCHEMES["jh2020"]["remesh_every"]}, or take remesh = "conservative"'
+        )
+        yield Finding("warning", "numerics.remesh_every", text)
+
+
 def memory_suffices(s: Section) -> Iterator[Finding]:
     """The particles fit into this machine, as far as one can tell before."""
     needed, there = memory(s.case, s.particles(), s.grid.shape[-1]), machine_memory()
@@ -341,6 +353,7 @@ CHECKS = (
     gates,
     times,
     materials,
+    remeshing,
     memory_suffices,
     waves_fit,
     sponges_fit,

@@ -120,7 +120,7 @@ def draw(case: Case, file: Path) -> None:
         axes.plot(sensor.at[0], sensor.at[-1], "o", color="#2c3e50", markersize=5, clip_on=False)
         axes.annotate(sensor.name, (sensor.at[0], sensor.at[-1]), (5, 5), textcoords="offset points", fontsize=8)
     axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect=enlarged)
-    axes.set_title(case.case.title or case.case.name, loc="left", pad=22)
+    axes.set_title(case.case.title or case.case.name, loc="left", pad=22, parse_math=False)
     if enlarged > 1:
         axes.set_title(f"heights enlarged {enlarged:g} times", loc="right", pad=22, fontsize=9, color="#5d6d7e")
     handles, labels = axes.get_legend_handles_labels()

@@ -139,6 +139,7 @@ WARNINGS = {
     "unusual porosity": ({"porous": [rock(porosity=0.95)]}, "porous.porous-1.porosity"),
     "thin film": ({"water": [{"box": [[0.0, 0.0], [0.3, 0.3]]}, {"below": 0.015}]}, "water[1]"),
     "thin wall": ({"solid": [{"box": [[0.5, 0.0], [0.51, 0.2]]}]}, "solid.solid-1"),
+    "remeshing that adds water": ({"numerics": {"remesh": "paper"}}, "numerics.remesh_every"),
     "long interval": ({"output": {"every": 5.0}}, "output.every"),
     "long step": ({"time": {"end": 1.0, "step": 0.5}}, "time.step"),
     "spacing does not divide": (
@@ -317,3 +318,9 @@ def test_whatever_stands_anywhere_is_a_case_or_a_message(tmp_path):
             except CaseError as error:
                 assert str(error) and "pydantic" not in str(error)
     assert good > 20
+
+
+def test_a_title_is_shown_as_it_is(tmp_path):
+    case = tank(case={"name": "tank", "title": r"$\undefined and 50 % of $"})
+    preflight.draw(case, tmp_path / "section.png")
+    assert (tmp_path / "section.png").exists()

@@ -85,7 +85,7 @@ def test_the_name_of_an_axis_stands_clear_of_its_numbers_and_in_the_picture(limi
     from houle.output import drawing
 
     with drawing.style():
-        page = drawing.sheet(1, 1, (7.5, 1.4), "title", "words")
+        page = drawing.sheet(1, 1, (7.5, 1.4), r"$\undefined and 50 % of $", "words")
         page.panels[0].set(xlim=(0, 1), ylim=limits)
         page.label_outside("x [m]", "z [m]")
         drawn = FigureCanvasAgg(page.figure).get_renderer()
