@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from houle.errors import CaseError
-from houle.progress import reporter
+from houle.progress import Silent, reporter
 
 if TYPE_CHECKING:
     import xarray
@@ -52,21 +53,26 @@ def run(
     case = load(case, overrides=dict(overrides or {}))
     check_until(until, 0.0)
     directory = new_folder(case.case.name, out)
+    check_place(case, directory)
     check_outputs(case, directory)
     for finding in checks.require(case):
         if finding.level == "warning":
             says.say(f"warning: {finding}")
     if (points := laboratory.path(case)) is not None:
         laboratory.read(points)  # raises now rather than at the end
+    check_threads(threads, says)
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
+    from houle.output.lock import held
     from houle.simulation import Simulation
 
     with clock.stage("set-up"):
         simulation = Simulation(case, threads)
     says.say(f"houle: writing to {directory}")
-    session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
-    session.manifest["case"]["file"] = None if case.path is None else str(case.path)
-    return finish(session.begin(), until, progress)
+    with held(directory):
+        new_folder(case.case.name, directory)  # raises if another run was made there meanwhile
+        session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
+        session.manifest["case"]["file"] = None if case.path is None else str(case.path)
+        return finish(session.begin(), until, progress)
 
 
 def resume(
@@ -79,28 +85,31 @@ def resume(
     says, directory = reporter(progress), Path(directory)
     says.say(f"houle: reading {directory}")
     from houle.output import load_newest
+    from houle.output.lock import held
     from houle.session import Clock, Session
 
     clock, done = Clock(), open_run(directory)
     if done.summary["finished"]:
         says.say(f"houle: {directory} is finished (t = {done.summary['time']:g} s); there is nothing to do")
         return done
-    checkpoint = load_newest(directory)
-    if checkpoint is None:
-        raise CaseError(f"{directory} holds no good checkpoint. Start again with: houle run CASE --out DIR")
-    if checkpoint.meta["case_hash"] != done.case.hash:
-        raise CaseError(
-            f"{directory / CASE_FILE} is not the case that was run (it was changed, or houle is another version). "
-            "Put it back, or run the new case into a new folder: houle run CASE --out DIR"
-        )
-    check_until(until, checkpoint.meta["time"])
-    says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
-    from houle.simulation import Simulation
+    with held(directory):
+        checkpoint = load_newest(directory)
+        if checkpoint is None:
+            raise CaseError(f"{directory} holds no good checkpoint. Start again with: houle run CASE --out DIR")
+        if checkpoint.meta["case_hash"] != done.case.hash:
+            raise CaseError(
+                f"{directory / CASE_FILE} is not the case that was run (it was changed, or houle is another version). "
+                "Put it back, or run the new case into a new folder: houle run CASE --out DIR"
+            )
+        check_until(until, checkpoint.meta["time"])
+        check_threads(threads, says)
+        says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
+        from houle.simulation import Simulation
 
-    with clock.stage("set-up"):
-        simulation = Simulation(done.case, threads)
-    session = Session(directory, done.case, simulation, threads, clock, says)
-    return finish(session.restore(checkpoint, done.manifest), until, progress)
+        with clock.stage("set-up"):
+            simulation = Simulation(done.case, threads)
+        session = Session(directory, done.case, simulation, threads, clock, says)
+        return finish(session.restore(checkpoint, done.manifest), until, progress)
 
 
 def once(case: Case, directory: Path, threads: int | None = None, progress: bool = False) -> Run:
@@ -118,10 +127,21 @@ def once(case: Case, directory: Path, threads: int | None = None, progress: bool
 
 def finish(session: Session, until: float | None, progress: bool) -> Run:
     """Marches, then leaves pictures, the score against the laboratory and run.json; prints the summary."""
+    from houle.session import Interrupted
+
+    at_end = session.march(until)
+    try:
+        return _evaluate(session, at_end, progress)
+    except KeyboardInterrupt:
+        text = f"Ctrl-C at t = {session.simulation.time:.4g} s, while the pictures were made; the water is computed. "
+        raise Interrupted(f"{text}Make what is missing with: houle resume {session.directory}") from None
+
+
+def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
+    """What is made of a run that has been marched."""
     from houle import reflection, summary, twin, wave_energy
     from houle.output import write_manifest
 
-    at_end = session.march(until)
     run = Run(session.directory)
     with session.clock.stage("pictures"):
         draw(run, session)
@@ -248,6 +268,15 @@ def holds_run(directory: Path) -> bool:
     return (directory / "run.json").exists() or any(directory.glob("checkpoint-*.h5"))
 
 
+def check_place(case: Case, directory: Path) -> None:
+    """Refuses a folder where the run would write over the case file that it is made from."""
+    if case.path is not None and case.path.absolute() == (directory / CASE_FILE).absolute():
+        raise CaseError(
+            f"out = {directory} holds {case.path}, which the run would write anew, without its comments: give another "
+            "folder, or another name to the case file"
+        )
+
+
 def check_outputs(case: Case, directory: Path) -> None:
     """Refuses what would fail hours later: a film without its encoder, a disk that is far too small."""
     from houle.preflight import price
@@ -263,6 +292,13 @@ def check_outputs(case: Case, directory: Path) -> None:
             f"output.{key} = {getattr(case.output, key):g} s writes at least {needed / 1e9:.2g} GB, {there} has "
             f"{free / 1e9:.2g} GB free: free some space, write elsewhere with --out, or set a longer output.{key}"
         )
+
+
+def check_threads(threads: int | None, says: Silent) -> None:
+    """More threads than cores wait for each other."""
+    cores = os.cpu_count() or 1
+    if threads is not None and threads > cores:
+        says.say(f"warning: threads = {threads} on a machine of {cores} cores is much slower than {cores}")
 
 
 def check_until(until: float | None, time: float) -> None:
@@ -291,6 +327,7 @@ def keep_case(case: Case, directory: Path) -> Case:
             moved[key] = inside.name
         with reported(directory / inside):
             (directory / inside).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, directory / inside)
+            with suppress(shutil.SameFileError):
+                shutil.copyfile(source, directory / inside)
     write_text(directory / CASE_FILE, load(case, moved).to_toml())
     return load(directory / CASE_FILE)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -165,6 +166,50 @@ def test_a_folder_that_holds_a_run_is_refused_with_a_cure(tank):
     houle.run(tank, out="here")
     with pytest.raises(CaseError, match=r"here already holds a run.*houle resume here"):
         houle.run(tank, out="here")
+
+
+def test_a_run_does_not_write_over_the_case_file_it_is_made_from(tank):
+    Path("mine").mkdir()
+    file = Path("mine", "case.toml")
+    file.write_text("# my notes\n" + tank.to_toml())
+    with pytest.raises(CaseError, match=r"out = mine holds .*case.toml, which the run would write anew"):
+        houle.run(file, out="mine")
+    assert file.read_text().startswith("# my notes") and len(list(Path("mine").iterdir())) == 1
+
+
+def test_data_beside_the_case_may_lie_in_the_result_folder(tank):
+    Path("lab.csv").write_text("t_s,x_m,eta_m\n0.2,0.05,0.1\n")
+    Path("tank.toml").write_text(tank.to_toml() + '\n[reference]\nsurface = "lab.csv"\n')
+    assert houle.run("tank.toml", out=".").summary["reference"]["times"] == [0.2]
+
+
+def test_one_process_at_a_time_writes_a_folder(tank):
+    from houle.output.lock import held
+
+    houle.run(tank, out="mine", until=0.1)
+    words = rf"mine is being written by another houle \(process {os.getpid()}\)"
+    with held(Path("mine")), pytest.raises(CaseError, match=words):
+        houle.resume("mine")
+    with held(Path("other")), pytest.raises(CaseError, match="other is being written by another houle"):
+        houle.run(tank, out="other")
+    assert not list(Path("other").iterdir())
+    assert houle.resume("mine").summary["finished"]
+    assert not Path("mine", ".lock").exists()
+
+
+def test_ctrl_c_while_pictures_are_made_says_how_to_make_them(tank, monkeypatch):
+    def stopped(run, session):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt, match="missing with: houle resume mine"):
+        patch.setattr(runner, "draw", stopped)
+        houle.run(tank, out="mine")
+    assert houle.resume("mine").summary["finished"]
+
+
+def test_more_threads_than_cores_are_warned_of(tank, capsys):
+    houle.run(tank, threads=1000, progress=True)
+    assert "warning: threads = 1000 on a machine of" in capsys.readouterr().err
 
 
 def test_a_file_in_the_way_is_refused_before_anything_is_computed(tank, monkeypatch):

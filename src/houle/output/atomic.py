@@ -22,6 +22,7 @@ _CURES = {
     errno.EROFS: "the file system is read-only: write elsewhere with --out",
     errno.ENOTDIR: "a file stands where a folder is needed: write elsewhere with --out",
     errno.EEXIST: "a file stands where a folder is needed: write elsewhere with --out",
+    errno.ENOENT: "the folder is not there: was it removed or renamed while houle was writing?",
     errno.EIO: "the disk reports an error: write elsewhere with --out",
 }
 

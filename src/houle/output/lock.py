@@ -1,0 +1,59 @@
+"""One process at a time writes a run folder. The system gives the lock back when a process ends, however it ends."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from houle.errors import CaseError
+from houle.output.atomic import reported
+
+NAME = ".lock"
+TAKEN = (errno.EAGAIN, errno.EACCES, errno.EDEADLK)
+BEYOND = 4096  # the byte that is locked, behind the number of the process, which others may read
+
+
+@contextlib.contextmanager
+def held(directory: Path) -> Iterator[None]:
+    """The folder, made if it is not there, for this process alone. Raises CaseError if another one writes it.
+
+    File systems that know no locks are trusted.
+    """
+    path = directory / NAME
+    with reported(path):
+        directory.mkdir(parents=True, exist_ok=True)
+        file = open(path, "a+b", buffering=0)  # noqa: SIM115
+    with file:
+        try:
+            _lock(file)
+        except OSError as error:
+            if error.errno in TAKEN:
+                file.seek(0)
+                text = f"{directory} is being written by another houle (process {file.read(20).decode() or '?'})"
+                raise CaseError(f"{text}: wait for it, or take another folder (houle run CASE --out DIR)") from None
+        with contextlib.suppress(OSError):
+            file.truncate(0)
+            file.write(str(os.getpid()).encode())
+        try:
+            yield
+        finally:
+            with contextlib.suppress(OSError):
+                path.unlink()
+
+
+def _lock(file: BinaryIO) -> None:
+    """Raises OSError, with an errno of TAKEN where another process holds it."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        file.seek(BEYOND)
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
