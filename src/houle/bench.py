@@ -1,7 +1,9 @@
 """`houle bench`: how fast this machine steps, operation by operation, beside the memory bandwidth it has.
 
 Every measurement runs in a process of its own, so that threads, memory and caches are not those of the one before, and
-`TIMES` times, threads in turn; the fastest counts, as others on the machine can only make it slower:
+several times, threads in turn. Each time a step does the same to the bit, and others on the machine can only make it
+slower: of every step, and of every operation in it, the fastest counts (`least`). What the fastest run took as a whole
+stands beside it:
 
     python -m houle.bench '{"case": "dam-break-rock-35", "overrides": {}, "threads": 1, "warm": 20, "steps": 200}'
 
@@ -13,13 +15,12 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from time import perf_counter, process_time
 from typing import Any
 
-TIMES = 5
 DOUBLE = 8  # bytes
 TRIAD_LENGTH = 1 << 23  # doubles per array: 64 MB, more than caches hold
 TRIAD_BLOCK = 1 << 16  # doubles per block: few enough to stay in a cache, enough to forget the interpreter
@@ -27,48 +28,66 @@ TRIAD_BLOCK = 1 << 16  # doubles per block: few enough to stay in a cache, enoug
 
 @dataclass(frozen=True)
 class Job:
-    """What to measure: `steps` steps of a case after `warm` others."""
+    """What to measure, `times` times: `steps` steps of a case after `warm` others."""
 
     title: str
     case: str
     overrides: dict[str, Any]
     warm: int
     steps: int
+    times: int
 
 
-JOBS = (Job("2D, dam break through rock, spacing 5 mm", "dam-break-rock-35", {"domain.spacing": 0.005}, 40, 200),)
+JOBS = (Job("2D, dam break through rock, spacing 5 mm", "dam-break-rock-35", {"domain.spacing": 0.005}, 40, 200, 10),)
 LARGE = (
-    Job("2D, the same at 0.67 mm", "dam-break-rock-35", {"domain.spacing": 0.00067}, 5, 20),
-    Job("3D, dam break on a block (SPHERIC 2)", "spheric-2", {"domain.spacing": 0.0175}, 5, 15),
+    Job("2D, the same at 0.67 mm", "dam-break-rock-35", {"domain.spacing": 0.00067}, 5, 20, 3),
+    Job("3D, dam break on a block (SPHERIC 2)", "spheric-2", {"domain.spacing": 0.0175}, 5, 15, 3),
 )
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Seconds of `steps` steps: wall, CPU, and wall per operation; memory [bytes] above that of the program."""
+    """Seconds of every step: wall, CPU, and wall per operation; memory [bytes] above that of the program."""
 
     threads: int
     dimension: int
     particles: int
     cells: int
-    steps: int
-    wall: float
-    cpu: float
-    operations: dict[str, float]
+    walls: list[float]
+    cpus: list[float]
+    operations: dict[str, list[float]]
     iterations: tuple[float, float]  # of the pressure and of the correction solver, mean per step
     memory: float | None  # peak of the whole process, setting up included; None where the system does not tell
     stepping: float | None  # peak while stepping
     triad: float  # [bytes/s]
 
-    def microseconds(self, operation: str | None = None) -> float:
-        """Wall time per particle and step, in all or of one operation."""
-        seconds = self.wall if operation is None else self.operations.get(operation, 0.0)
-        return 1e6 * seconds / (self.steps * self.particles)
+    def microseconds(self, seconds: Sequence[float]) -> float:
+        """Per particle and step, of the seconds of every step."""
+        return 1e6 * sum(seconds) / (len(seconds) * self.particles)
+
+    @property
+    def steps_per_second(self) -> float:
+        return len(self.walls) / sum(self.walls)
 
     @property
     def traffic(self) -> float:
         """Estimated memory traffic [bytes/s], see least_traffic."""
-        return self.steps * least_traffic(self.dimension, self.particles, self.cells, self.iterations) / self.wall
+        return self.steps_per_second * least_traffic(self.dimension, self.particles, self.cells, self.iterations)
+
+
+def least(runs: Sequence[Measured]) -> Measured:
+    """Of every step, and of every operation in it, the least that any of these runs of one job took."""
+
+    def each(seconds: Iterable[list[float]]) -> list[float]:
+        return [min(times) for times in zip(*seconds, strict=True)]
+
+    return replace(
+        runs[0],
+        walls=each(run.walls for run in runs),
+        cpus=each(run.cpus for run in runs),
+        operations={name: each(run.operations[name] for run in runs) for name in runs[0].operations},
+        triad=max(run.triad for run in runs),
+    )
 
 
 def bench(threads: int | None = None, large: bool = False) -> list[list[Measured]]:
@@ -80,37 +99,42 @@ def bench(threads: int | None = None, large: bool = False) -> list[list[Measured
     console, most = Console(), threads or os.cpu_count() or 1
     found = []
     for job in JOBS + (LARGE if large else ()):
-        fastest: dict[int, Measured] = {}
-        for count in (*dict.fromkeys((1, most)),) * TIMES:
-            with console.status(f"{job.title}: {count} thread{'s' if count > 1 else ''}"):
-                measured = measure_apart(job, count)
-            fastest[count] = min(fastest.get(count, measured), measured, key=lambda m: m.wall)
-        rows = list(fastest.values())
-        show(job, rows, console)
-        found.append(rows)
+        runs: dict[int, list[Measured]] = {count: [] for count in (1, most)}
+        for _ in range(job.times):
+            for count, those in runs.items():
+                with console.status(f"{job.title}: {count} thread{'s' if count > 1 else ''}"):
+                    those.append(measure_apart(job, count))
+        show(job, list(runs.values()), console)
+        found.append([least(those) for those in runs.values()])
     if not large:
         console.print("A million particles in 2D and 3D: houle bench --large", highlight=False)
     return found
 
 
-def show(job: Job, rows: Sequence[Measured], console: Any) -> None:
-    """A table: microseconds per particle and step by operation, memory, bandwidth; a column per measurement."""
+def show(job: Job, runs: Sequence[Sequence[Measured]], console: Any) -> None:
+    """A table: microseconds per particle and step by operation, memory, bandwidth; a column per number of threads."""
     from rich.table import Table
 
-    first, last = rows[0], rows[-1]
-    title = f"{job.title}: {first.particles} particles, {first.cells} cells, {first.steps} steps"
+    rows = [least(those) for those in runs]
+    first = rows[0]
+    title = f"{job.title}: {first.particles} particles, {first.cells} cells, {len(first.walls)} steps"
     table = Table(title=title, title_justify="left")
     table.add_column("us per particle and step")
     for row in rows:
         table.add_column(f"{row.threads} thread{'s' if row.threads > 1 else ''}", justify="right")
     table.add_column("faster", justify="right")
-    for name in sorted(first.operations, key=first.microseconds, reverse=True):
-        values = [row.microseconds(name) for row in rows]
+
+    def compare(name: str, seconds: Sequence[Sequence[float]]) -> None:
+        values = [row.microseconds(of_a_row) for row, of_a_row in zip(rows, seconds, strict=True)]
         table.add_row(name, *(f"{v:.3f}" for v in values), ratio(values[0], values[-1]))
+
+    for name in sorted(first.operations, key=lambda name: sum(first.operations[name]), reverse=True):
+        compare(name, [row.operations[name] for row in rows])
     table.add_section()
-    table.add_row("a step", *(f"{row.microseconds():.3f}" for row in rows), ratio(first.wall, last.wall))
-    table.add_row("CPU time of a step", *(f"{1e6 * row.cpu / row.steps / row.particles:.3f}" for row in rows), "")
-    table.add_row("steps per second", *(f"{row.steps / row.wall:.3g}" for row in rows), "")
+    compare("a step", [row.walls for row in rows])
+    compare("in the fastest run", [min((run.walls for run in those), key=sum) for those in runs])
+    table.add_row("CPU time of a step", *(f"{row.microseconds(row.cpus):.3f}" for row in rows), "")
+    table.add_row("steps per second", *(f"{row.steps_per_second:.3g}" for row in rows), "")
     for name, k in (("iterations, pressure", 0), ("iterations, correction", 1)):
         table.add_row(name, *(f"{row.iterations[k]:.1f}" for row in rows), "")
     for name, memory in (
@@ -130,7 +154,7 @@ def ratio(one: float, many: float) -> str:
 
 def measure_apart(job: Job, threads: int) -> Measured:
     """measure() in a process of its own."""
-    order = {k: v for k, v in asdict(job).items() if k != "title"} | {"threads": threads}
+    order = {k: v for k, v in asdict(job).items() if k not in ("title", "times")} | {"threads": threads}
     command = [sys.executable, "-m", "houle.bench", json.dumps(order)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
     data = json.loads(done.stdout.splitlines()[-1])
@@ -151,14 +175,14 @@ def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps
     forgotten = forget_peak()
     for _ in range(warm):
         simulation.advance(loaded.time.end)
-    timings, wall, cpu = dict(simulation.timings), perf_counter(), process_time()
-    iterations = []
+    iterations, clocks = [], [(perf_counter(), process_time(), dict(simulation.timings))]
     for _ in range(steps):
         simulation.advance(loaded.time.end)
+        clocks.append((perf_counter(), process_time(), dict(simulation.timings)))
         notes = simulation.ledger.notes
         iterations.append([notes.get("pressure_iterations", 0.0), notes.get("correction_iterations", 0.0)])
-    wall, cpu, after = perf_counter() - wall, process_time() - cpu, peak_memory()
-    mean = np.mean(iterations, axis=0)
+    walls, cpus, timings = zip(*clocks, strict=True)
+    mean, after = np.mean(iterations, axis=0), peak_memory()
     stepping = after - before if forgotten and after is not None and before is not None else None
     most = None if before is None or setting_up is None or after is None else max(setting_up, after) - before
     return Measured(
@@ -166,10 +190,9 @@ def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps
         dimension=loaded.dimension,
         particles=len(simulation.particles),
         cells=int(np.prod(simulation.grid.shape)),
-        steps=steps,
-        wall=wall,
-        cpu=cpu,
-        operations={k: v - timings.get(k, 0.0) for k, v in simulation.timings.items()},
+        walls=list(np.diff(walls)),
+        cpus=list(np.diff(cpus)),
+        operations={name: list(np.diff([t.get(name, 0.0) for t in timings])) for name in timings[-1]},
         iterations=(float(mean[0]), float(mean[1])),
         memory=most,
         stepping=stepping,

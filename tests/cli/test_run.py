@@ -362,3 +362,15 @@ def test_the_triad_moves_its_bytes_and_the_traffic_counts_particles_and_cells():
     without = least_traffic(2, 1000, 0, (10.0, 5.0))
     assert without == 8 * 1000 * (7 * 5 + 8)
     assert least_traffic(2, 1000, 100, (20.0, 5.0)) > least_traffic(2, 1000, 100, (10.0, 5.0)) > without
+
+
+def test_of_every_step_the_bench_takes_the_run_that_was_not_disturbed():
+    from houle.bench import Measured, least
+
+    def run(walls):
+        operations = {"forces": walls, "ledger": [1.0, 1.0]}
+        return Measured(1, 2, 10, 20, walls, walls, operations, (5.0, 2.0), None, None, 1e9)
+
+    found = least([run([1.0, 9.0]), run([4.0, 2.0])])
+    assert found.walls == found.cpus == found.operations["forces"] == [1.0, 2.0]
+    assert found.microseconds(found.walls) == pytest.approx(1e6 * 3.0 / (2 * 10)) and found.steps_per_second == 2 / 3
