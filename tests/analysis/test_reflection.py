@@ -114,7 +114,7 @@ def test_gauges_that_cannot_tell_free_from_bound_are_named():
     assert F[1] < 0.02, "the least amplitudes, not hundreds of times the signal"
 
 
-def test_transmission_and_dissipation():
+def test_two_gauges_behind_take_off_what_the_far_end_sends_back():
     x = np.append(GAUGES, [6.0, 6.4])
     behind = flumes.regular(x[4:], TIME, PERIOD, [(1, "bound", 0.6 * Z_I, 0.01 * Z_I)])
     eta = np.vstack([signal(), behind])
@@ -270,7 +270,7 @@ def test_irregular_lines_that_cannot_be_told_apart_are_left_out():
     assert pytest.approx(0.4, abs=0.03) == found.C_R
 
 
-def test_sources(tmp_path):
+def test_every_kind_of_source_gives_the_same_answer(tmp_path):
     """A dataset like series.nc, a run, eta(time, x) like surface.nc, and a laboratory's table in millimetres."""
     eta = signal() + 0.25
     names = ["W1", "W2", "W3", "W4"]

@@ -36,7 +36,7 @@ def test_few_run_ups_give_no_two_per_cent():
         analysis.run_up(np.arange(9.0), np.zeros(9))
 
 
-def test_overtopping_events():
+def test_overtopping_is_cut_into_events_and_noise_left_out():
     time = np.arange(0.0, 101.0)
     flow = np.zeros(100)
     flow[10:12], flow[30:35], flow[36], flow[70] = 0.01, 0.02, 0.005, 1e-5
@@ -78,7 +78,7 @@ def test_exit_gradient_of_a_drawdown():
         analysis.critical_gradient(40)
 
 
-def test_shields_number():
+def test_the_shields_number_is_the_one_computed_by_hand():
     """d = 1 mm, U = 0.5 m/s at 0.1 m: u* = 0.4 x 0.5 / ln(1200) = 28.2 mm/s, theta = 0.0492; critical (D* = 25.3)
     0.0314.
     """

@@ -67,7 +67,7 @@ def test_the_default_scheme_is_houle():
     assert dam().numerics == dam(numerics__scheme="houle").numerics
 
 
-def test_walls():
+def test_walls_are_one_word_for_all_or_a_table():
     case = dam()
     assert case.domain.walls.no_slip(2) == ((False, False), (False, False)) and case.domain.periodic == (False, False)
     case = dam(domain__walls={"bottom": "no-slip", "x": "periodic"})

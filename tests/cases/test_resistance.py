@@ -101,7 +101,7 @@ def test_permeability_and_forchheimer_come_back(k, c):
     assert isclose(NU / a, k) and isclose(b * sqrt(NU / a), c)
 
 
-def test_inertia():
+def test_the_inertia_coefficient_is_one_in_clear_water():
     assert inertia_coefficient(0.49, 0.34) == pytest.approx(1.353877551)
     assert inertia_coefficient(1.0) == 1.0
 

@@ -203,7 +203,7 @@ def test_too_few_iterations_are_reported():
     assert iterations == -1 and residual > 1e-10
 
 
-def test_empty_and_non_finite():
+def test_no_water_has_no_pressure_and_a_nan_is_told_and_forgotten():
     shape = (12, 9)
     s = solver(shape)
     nothing = (np.zeros(shape, bool), faces(shape), np.zeros(shape))

@@ -246,7 +246,7 @@ def test_lone_drop_stays_as_it_is():
     assert np.array_equal(new.position, old.position) and np.array_equal(new.velocity, old.velocity)
 
 
-def test_no_particles():
+def test_nothing_is_remeshed_to_nothing():
     grid = Grid((3, 3), (1.0, 1.0), (False, False))
     nothing = Particles(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
     for make in STRATEGIES.values():

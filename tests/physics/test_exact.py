@@ -90,7 +90,7 @@ def test_wave_number_inverts_dispersion(k):
     assert exact.wave_number(exact.dispersion(k, DEPTH), DEPTH) == pytest.approx(k, rel=1e-12)
 
 
-def test_dispersion_limits():
+def test_long_and_deep_waves_have_the_frequencies_of_the_books():
     assert exact.dispersion(1e-3, DEPTH) == pytest.approx(1e-3 * np.sqrt(9.81 * DEPTH), rel=1e-6)
     assert exact.dispersion(100.0, DEPTH) == pytest.approx(np.sqrt(981.0), rel=1e-6)
 

@@ -29,7 +29,7 @@ def test_amount_and_moment_of_the_water_below_a_level():
     assert room.mean_level(level) == pytest.approx((held - 0.05 * 0.13 - 0.05 * 0.14) / 0.4, rel=1e-12)
 
 
-def test_three_dimensions_and_the_lid():
+def test_no_water_is_counted_above_the_lid():
     deep = {**CASE, "domain": {"size": [0.4, 0.1, 0.3], "spacing": 0.05}, "porous": [], "solid": []}
     sim = simulation(deep)
     room = Room.of(sim.grid, sim.medium)

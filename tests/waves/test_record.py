@@ -16,7 +16,7 @@ def ship(t):
     return -0.35 * np.exp(-(((t - 70) / 16) ** 2)) + secondary
 
 
-def test_round_trip():
+def test_the_components_give_the_record_back_at_its_place():
     eta = ship(T)
     exact = series(T, eta, DEPTH, GRAVITY, tolerance=0.0)
     np.testing.assert_allclose(exact.elevation(0.0, T), eta, atol=1e-12)
@@ -77,7 +77,7 @@ def test_a_sine_is_one_wave():
     assert wave.period == pytest.approx(period, rel=0.02)
 
 
-def test_reading(tmp_path):
+def test_a_record_is_read_by_the_names_of_its_columns(tmp_path):
     file = tmp_path / "ship.csv"
     file.write_text("# measured\nt_s, eta_m, other\n0, 0, 1\n0.5, 0.1, 2\n1.0, 0, 2\n1.5, -0.1, 3\n")
     t, eta = read(file)
@@ -97,7 +97,7 @@ def test_reading(tmp_path):
         ("t_s,eta_m\n0,0\n1,nan\n2,0\n3,0\n", "finite"),
     ],
 )
-def test_bad_files(tmp_path, text, said):
+def test_a_file_that_is_no_record_is_refused_with_what_it_should_be(tmp_path, text, said):
     file = tmp_path / "a.csv"
     if text is not None:
         file.write_text(text)

@@ -238,6 +238,6 @@ def test_every_theory_has_its_passport():
     assert all(p.what and p.range and p.source for p in PASSPORTS.values())
 
 
-def test_ramp():
+def test_the_ramp_grows_as_half_a_cosine():
     assert ramp(np.array([-1.0, 0.0, 1.0, 2.0, 9.0]), 2.0) == pytest.approx([0, 0, 0.5, 1, 1])
     assert ramp(0.0, 0.0) == 1

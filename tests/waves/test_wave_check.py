@@ -65,7 +65,7 @@ def test_limits_at_their_ends():
         (irregular("jonswap", 0.11, 2.5, DEPTH, GRAVITY), GOOD, "warning", ("H/d = 0.44", "0.4", "0.1 m")),
     ],
 )  # fmt: skip
-def test_findings(wave, spacing, level, words):
+def test_what_is_doubtful_is_told_with_its_numbers(wave, spacing, level, words):
     found = said(wave, spacing, level)
     assert any(all(w in text for w in words) for text in found), assess(wave, spacing)
 

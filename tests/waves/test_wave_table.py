@@ -23,7 +23,7 @@ def complaints(**keys):
     )
 
 
-def test_regular_wave():
+def test_a_regular_wave_has_its_crest_at_the_origin():
     waves = table()
     wave = make(waves)
     assert wave.name == "fenton" and wave.reason and wave.elevation(0.0, 0.0) == pytest.approx(wave.crest)
@@ -38,7 +38,7 @@ def test_every_theory_and_kind_of_the_table_is_there():
     assert set(PASSPORTS) == theories | kinds - {"regular"}
 
 
-def test_makers():
+def test_a_zone_starts_at_its_left_end_and_stands_alone():
     assert isinstance(table(source=..., zone={"x": [0.0, 1.5]}).maker, Zone)
     assert table(source=..., zone={"x": [0.0, 1.5]}).start == 0.0
     assert "source and zone are given together" in complaints(zone={"x": [0.0, 1.5]})
@@ -76,7 +76,7 @@ def test_makers():
         ({"source": {"x": 1.0, "beta": 3.0}}, "extra_forbidden"),
     ],
 )
-def test_complaints(keys, said):
+def test_what_is_wrong_in_the_table_is_said(keys, said):
     assert said in complaints(**keys)
 
 
