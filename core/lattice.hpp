@@ -1,0 +1,113 @@
+// The lattice of remeshing, one node per half cell at (i + 1/2) h/2, and how particles give to its nodes in parallel.
+#pragma once
+
+#include <vector>
+
+#include "kernels.hpp"
+
+namespace houle {
+
+template <int D>
+struct Lattice {  // the nodes, and where a position lies among them
+  std::array<index, D> shape{}, stride{};
+  std::array<double, D> h{};
+  std::array<bool, D> periodic{};
+  double volume = 1;  // of a node's half cell [m^D]
+  index begin, end;   // along the first axis: nodes between its walls
+
+  explicit Lattice(const Grid<D>& g) : Lattice(g, 0, 2 * g.shape[0]) {}
+  Lattice(const Grid<D>& g, index first, index last) : periodic(g.periodic), begin(first), end(last) {
+    for (int a = 0; a < D; ++a) {
+      shape[a] = 2 * g.shape[a];
+      h[a] = 0.5 * g.h[a];
+      volume *= h[a];
+    }
+    stride = Grid<D>::strides(shape);
+  }
+  index nodes() const { return shape[0] * stride[0]; }
+  index fold(int a, index i) const {  // of a node outside: the one it repeats, or its mirror image
+    const index n = shape[a];
+    if (periodic[a]) return i < 0 ? i + n : (i >= n ? i - n : i);
+    const index low = a == 0 ? begin : 0, high = a == 0 ? end : n;
+    return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
+  }
+  double scaled(int a, double x) const {  // in spacings; what is not a number counts as 0, not as a place in memory
+    const double s = x / h[a];
+    return s > 0.0 ? std::min(s, static_cast<double>(shape[a])) : 0.0;
+  }
+  index half_cell(const double* x) const {  // the node whose half cell holds x
+    index f = 0;
+    for (int a = 0; a < D; ++a) f += std::min(static_cast<index>(scaled(a, x[a])), shape[a] - 1) * stride[a];
+    return f;
+  }
+};
+
+template <int D>
+struct LatticeStencil {  // the 4^D nodes around a particle: per axis their place in memory, weight, distance from the
+                         // particle
+  index at[D][4];
+  double w[D][4], reach[D][4];
+
+  LatticeStencil(const Lattice<D>& l, const double* x) {
+    for (int a = 0; a < D; ++a) {
+      const double s = l.scaled(a, x[a]) - 0.5, base = std::floor(s);
+      M4PrimeKernel::weights(s, static_cast<index>(base) - 1, 0.0, w[a], nullptr);
+      for (int k = 0; k < 4; ++k) {
+        const index i = static_cast<index>(base) + k - 1, inside = l.fold(a, i);
+        at[a][k] = inside * l.stride[a];
+        reach[a][k] = (static_cast<double>(l.periodic[a] ? i : inside) - s) * l.h[a];
+      }
+    }
+  }
+  template <class Visit>
+  void each(Visit visit) const {  // visit(node, weight, k): k[a] is the place 0..3 of the node on axis a
+    int k[D];
+    for (k[0] = 0; k[0] < 4; ++k[0])
+      for (k[1] = 0; k[1] < 4; ++k[1]) {
+        const index node = at[0][k[0]] + at[1][k[1]];
+        const double weight = w[0][k[0]] * w[1][k[1]];
+        if constexpr (D == 2)
+          visit(node, weight, k);
+        else
+          for (k[2] = 0; k[2] < 4; ++k[2]) visit(node + at[2][k[2]], weight * w[2][k[2]], k);
+      }
+  }
+};
+
+// Particles in slabs along the first axis, wide enough that every second slab writes to nodes of its own: two sweeps
+// over independent slabs scatter without conflict, in an order that the number of threads does not change.
+template <int D>
+class Slabs {
+ public:
+  Slabs(const Lattice<D>& l, index n, const double* x) {
+    const index nodes = l.shape[0];
+    count_ = nodes < 8 ? 1 : nodes / 8 * 2;  // even (periodic axes), each at least 4 nodes wide
+    start_.resize(static_cast<std::size_t>(count_) + 1);
+    order_.resize(static_cast<std::size_t>(n));
+    std::vector<std::int32_t> slab(static_cast<std::size_t>(n));
+    std::int32_t* s = slab.data();
+    const index count = count_;
+    parallel_for(n, [=, &l](index p) {
+      const index i = static_cast<index>(l.scaled(0, x[p * D]) + 0.5);
+      s[p] = static_cast<std::int32_t>(std::min(i, nodes - 1) * count / nodes);
+    });
+    counting_sort(n, count, s, order_.data(), start_.data());
+  }
+  template <class Body>
+  void scatter(Body body) const {  // body(p) for every particle
+    const std::int32_t *start = start_.data(), *order = order_.data();
+    const double all = std::max(1, start_[count_]);
+    parallel_for_coloured(
+        count_, 2, [](index s) { return static_cast<int>(s % 2); },
+        [=](index s) { return 0.5 * (start[s] + start[s + 1]) / all; },
+        [=](index s) {
+          for (index q = start[s]; q < start[s + 1]; ++q) body(order[q]);
+        });
+  }
+
+ private:
+  index count_;
+  std::vector<std::int32_t> start_, order_;
+};
+
+}  // namespace houle
