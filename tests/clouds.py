@@ -24,6 +24,13 @@ def numbered(field: FloatArray | None) -> tuple[np.ndarray, FloatArray] | None:
     return None if field is None else (np.arange(field.size, dtype=np.int32), field.ravel())
 
 
+def lattice(grid: Grid, per_cell: int = 2) -> FloatArray:
+    """Positions (M, d) [m] of per_cell^d particles in every cell, evenly spaced, cell by cell."""
+    offset = (np.arange(per_cell) + 0.5) / per_cell
+    lines = [((np.arange(n)[:, None] + offset) * h).ravel() for n, h in zip(grid.shape, grid.spacing, strict=True)]
+    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, grid.dimension)
+
+
 randoms = st.integers(0, 2**32 - 1).map(np.random.default_rng)
 
 

@@ -22,6 +22,7 @@ from houle.porous import Medium, partition
 
 NEAR = 1e-10  # [cells] heights nearer to each other are one
 NOTHING = 1e-12  # of a column's section: less is closed
+REACH = 2  # columns: the spline of column_heights sees one and a half, its sum is divided by the porosity of one
 SAMPLES = np.array([1.0, 3.0, 5.0]) / 6.0  # of a piece: three points that give its parabola, inside of any steps
 
 Region = tuple[float, FloatArray]  # what it adds to the porosity, its edges (E, 2, 2) [cells]
@@ -88,18 +89,14 @@ class _Tent:
         return np.any((low[:, None] <= self.centres + 1) & (high[:, None] >= self.centres - 1), axis=1)
 
 
-def uniform_columns(grid: Grid, medium: Medium, reach: int = 2) -> NDArray[np.bool_]:
-    """Whether a column and those within `reach` of it hold one porosity throughout and no solid, grid.shape[:-1].
-
-    Two columns on each side: the spline of column_heights sees one and a half, and its sum is divided by the
-    porosity of the column.
-    """
+def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
+    """Whether a column and those within REACH of it hold one porosity throughout and no solid, grid.shape[:-1]."""
     low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
     low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
     for a in range(grid.dimension - 1):
         mode: Literal["wrap", "symmetric"] = "wrap" if grid.periodic[a] else "symmetric"
-        around = [(reach, reach) if b == a else (0, 0) for b in range(grid.dimension - 1)]
-        window = 2 * reach + 1
+        around = [(REACH, REACH) if b == a else (0, 0) for b in range(grid.dimension - 1)]
+        window = 2 * REACH + 1
         low = np.lib.stride_tricks.sliding_window_view(np.pad(low, around, mode), window, a).min(axis=-1)
         high = np.lib.stride_tricks.sliding_window_view(np.pad(high, around, mode), window, a).max(axis=-1)
     return high - low <= 1e-12

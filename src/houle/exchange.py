@@ -34,7 +34,7 @@ def exchange(flow: Flow, transfer: Transfer, dt: float, ledger: Ledger) -> None:
         return
     for side in flow.sides:
         slices = _Slices.of(side, dt)
-        _take(flow, transfer, side, slices, dt)
+        _take(flow, transfer, side, slices)
         _let_in(flow, transfer, side, slices, dt)
     flow.resize_particles()
     sort(flow, transfer)
@@ -76,7 +76,7 @@ def _near(flow: Flow, side: OpenSide, reach: float) -> tuple[NDArray[np.intp], F
     return chosen, distance[chosen], row
 
 
-def _take(flow: Flow, transfer: Transfer, side: OpenSide, slices: _Slices, dt: float) -> None:
+def _take(flow: Flow, transfer: Transfer, side: OpenSide, slices: _Slices) -> None:
     """Takes out what goes out, first from each row what passes its half face, the rest from any particle nearby."""
     demand = np.maximum(-slices.volume, 0.0)
     total = float(demand.sum()) + side.owed

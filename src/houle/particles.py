@@ -33,10 +33,3 @@ class Particles:
         bins = [np.arange(n + 1) * h for n, h in zip(grid.shape, plan, strict=False)]
         held = np.histogramdd(self.position[:, :-1], bins, weights=self.volume)[0]
         return held / math.prod(plan)
-
-
-def lattice(grid: Grid, per_cell: int = 2) -> FloatArray:
-    """Positions (M, d) [m] of per_cell^d particles in every cell, evenly spaced, cell by cell."""
-    offset = (np.arange(per_cell) + 0.5) / per_cell
-    lines = [((np.arange(n)[:, None] + offset) * h).ravel() for n, h in zip(grid.shape, grid.spacing, strict=True)]
-    return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, grid.dimension)

@@ -15,7 +15,7 @@ import numpy as np
 
 from houle.errors import SimulationError
 from houle.frame import Frame
-from houle.particles import Particles, lattice
+from houle.particles import Particles
 
 CASE = {
     "case": {"name": "tank"},
@@ -34,8 +34,8 @@ class Simulation:
 
     def __init__(self, case, threads=None):
         self.case, self.grid = case, case.domain.grid
-        position = lattice(self.grid)
-        position = position[(position[:, 0] < 0.2) & (position[:, 1] < 0.1)]
+        x, z = np.meshgrid(np.arange(0.005, 0.2, 0.01), np.arange(0.005, 0.1, 0.01))
+        position = np.stack([x.ravel(), z.ravel()], axis=1)
         volume = np.full(len(position), self.grid.cell_volume / 4)
         self.particles = Particles(position, 0.1 + position.copy(), volume)
         self.time, self.steps, self.timings = 0.0, 0, {"sloshing": 0.0}

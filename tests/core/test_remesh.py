@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_remesh as reference
-from clouds import numbered
+from clouds import lattice, numbered
 from houle import _core
 from houle.grid import Grid
-from houle.particles import Particles, lattice
+from houle.particles import Particles
 from houle.porous import Medium
 from houle.remesh import STRATEGIES, Conservative, Paper
 

@@ -7,9 +7,10 @@ import pytest
 import shapely
 
 import reference
+from clouds import lattice
 from houle.geometry import Box, Polygon, Shape
 from houle.grid import Grid
-from houle.particles import Particles, lattice
+from houle.particles import Particles
 from houle.porous import Medium, PorousBody
 from houle.seeding import SLIVER, seed
 

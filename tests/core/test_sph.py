@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import reference_sph as reference
+from clouds import lattice
 from houle import _core
 from houle.grid import Grid
-from houle.particles import lattice
 from houle.viscosity import KERNEL_STIFFNESS, Smoothing
 
 KERNELS = sorted(KERNEL_STIFFNESS)

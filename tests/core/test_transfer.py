@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_transfer as reference
-from clouds import each_once, grids, in_order, linear_faces, random_faces, randoms, scattered, start_of
+from clouds import each_once, grids, in_order, lattice, linear_faces, random_faces, randoms, scattered, start_of
 from houle import _core
 from houle.grid import Grid
-from houle.particles import lattice
 
 KERNELS = list(reference.KERNELS)
 POSITIVE = [k for k in KERNELS if k != "m4prime"]

@@ -46,15 +46,15 @@ def spread(k: ArrayLike, x: ArrayLike) -> Real:
     return np.sqrt(np.maximum(0.0, 1.0 - mean**2))
 
 
-def require_spread(k: float, x: ArrayLike, least: float = LEAST) -> None:
+def require_spread(k: float, x: ArrayLike) -> None:
     """Raises AnalysisError where the places (nearly) coincide in phase."""
     places, found = np.asarray(x, dtype=float), float(spread(k, x))
-    if found < least:
+    if found < LEAST:
         length = 2 * np.pi / k
         gaps = ", ".join(f"{g / length:.3f}" for g in np.diff(np.sort(places)))
         raise AnalysisError(
             f"the gauges stand {gaps} wavelengths apart (L = {length:.3g} m): that is too near to a multiple of half "
-            f"a wavelength to tell incident from reflected waves (spread {found:.2f} < {least:.2f}). Two gauges need "
+            f"a wavelength to tell incident from reflected waves (spread {found:.2f} < {LEAST:.2f}). Two gauges need "
             "0.05 to 0.45 L; better three at 0.1 L and 0.25 L from the first"
         )
 

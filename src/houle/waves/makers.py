@@ -292,5 +292,5 @@ def make_maker(
     if is_finite(table, parts):
         return FiniteSource.of(wave, grid, maker.x, width, maker.side, table.ramp_time())
     if table.kind == "regular":
-        parts = Components(*(getattr(parts, f)[:1] for f in ("amplitude", "omega", "k", "phase", "direction")))
+        parts = parts.first
     return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), width, table.current)

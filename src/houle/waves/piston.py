@@ -293,8 +293,7 @@ def law_of(table: Waves, wave: Wave, rest: float, read: Reading) -> Law:
         raise WaveError("waves.piston cannot make the mean of the record, only what goes up and down: take waves.zone")
     if table.kind != "regular":
         return linear_motion(parts, wave.depth, wave.gravity, rest, read, duration)
-    first = Components(*(getattr(parts, f)[:1] for f in ("amplitude", "omega", "k", "phase", "direction")))
-    motion = linear_motion(first, wave.depth, wave.gravity, rest, read, duration)
+    motion = linear_motion(parts.first, wave.depth, wave.gravity, rest, read, duration)
     return second_order(motion, wave.depth, wave.gravity, read)
 
 

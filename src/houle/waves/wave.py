@@ -34,6 +34,11 @@ class Components:
     phase: Array
     direction: Array
 
+    @property
+    def first(self) -> Components:
+        """The first of them alone."""
+        return Components(*(part[:1] for part in (self.amplitude, self.omega, self.k, self.phase, self.direction)))
+
     def elevation(self, x: ArrayLike, t: ArrayLike, y: ArrayLike = 0.0) -> Array:
         """The sum [m] at x, y [m] and t [s], broadcast against each other."""
         x, y, t = (np.asarray(v, dtype=float)[..., None] for v in (x, y, t))
