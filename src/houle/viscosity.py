@@ -1,4 +1,4 @@
-"""Viscous forces between particles, after the paper's eq. (3), with molecular and eddy viscosity.
+"""Viscous forces between particles, after the paper's eq. (3), with molecular and eddy viscosity; the longest step.
 
     a_i = K sum_j nu_ij ((u_j - u_i) . r / |r|^2) grad_i W(x_i - x_j) B_j,    K = 2 (d + 2),  B = V/n
 
@@ -28,15 +28,13 @@ from houle.grid import FloatArray, Grid
 
 # integral of -W'(r)/r, times radius^2: what the diagonal of the viscous operator is made of
 KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}
-
-
 REACH = 2.0  # of the sums between particles, in grid spacings
 
 
 def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bool) -> float:
     """Stable explicit step [s] with this viscosity [m2/s], on the faces of the grid or between particles; inf without.
 
-    On faces the operator div(nu (grad u + grad u^T)) has eigenvalues up to 8 nu sum 1/h^2; a no-slip wall, if there is
+    On faces nu lap(u) has eigenvalues up to 4 nu sum 1/h^2, and twice that is allowed for; a no-slip wall, if there is
     one (`held`), takes the velocity of a sheet of thickness s at the rate 2 nu / s^2. The law of the wall asks for no
     shorter steps than the Courant limit: the share v_*^2 / v^2 h / s that it takes in one stays below 3 %.
     Eddies do not count: theirs is a share C_s^2 dt |S| of it, below a tenth at the steps that the Courant limit allows.

@@ -28,7 +28,7 @@ from houle.waves.table import Piston, Source, Zone
 from houle.waves.wave import Wave
 
 ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
-LONG = {True: 1.25, False: 0.9}  # wavelengths of a zone or a sponge, of periodic waves or not: below is a warning
+LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths of a zone or a sponge: below is a warning
 SHORT = 0.5  # of a zone for periodic waves: below is an error
 NEARBY = 3.0  # depths in front of a piston where the water is to be even
 SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
@@ -167,7 +167,7 @@ def _zone(s: Section, wave: Wave) -> Iterator[Finding]:
     elif end >= size:
         text = f"= [{start:g}, {end:g}] ends outside the domain, 0 < x < {size:g} m.{metres(end, size)}"
         yield Finding("error", "waves.zone.x", text)
-    elif (share := (end - start) / wave.length) < LONG[_periodic(case)] and wave.name != "series":
+    elif (share := (end - start) / wave.length) < _long_enough(case) and wave.name != "series":
         text = (
             f"= [{start:g}, {end:g}] is {share:.2f} of the wavelength {wave.length:.3g} m: the longer, the better the "
             f"wave and the less comes back; x = [0, {1.5 * wave.length:.3g}]"
@@ -190,6 +190,11 @@ def _piston(s: Section, wave: Wave) -> Iterator[Finding]:
 
 def _periodic(case: Case) -> bool:
     return case.waves is not None and case.waves.kind != "solitary"
+
+
+def _long_enough(case: Case) -> float:
+    """[wavelengths]"""
+    return LONG if _periodic(case) else LONG_OF_A_SOLITARY
 
 
 def columns(s: Section, x: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -360,7 +365,7 @@ def _long(s: Section, i: int, sponge: Sponge, wave: Wave | None) -> Iterator[Fin
     """A sponge much shorter than the wave reflects it."""
     axis, _ = sides(sponge.box, s.case.domain.size, min(s.grid.spacing) / 2)[0]
     long = sponge.box[1][axis] - sponge.box[0][axis]
-    if wave is not None and long < LONG[_periodic(s.case)] * wave.length and wave.name != "series":
+    if wave is not None and long < _long_enough(s.case) * wave.length and wave.name != "series":
         text = (
             f"is {long:.3g} m long, {long / wave.length:.2f} of the wavelength {wave.length:.3g} m: a short sponge "
             f"sends waves back; {1.5 * wave.length:.3g} m are good"

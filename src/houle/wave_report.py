@@ -20,7 +20,7 @@ from houle.waves.sponge import sides
 from houle.waves.table import Piston, Source
 from houle.waves.wave import Wave
 
-FEWEST = {True: 3, False: 20}  # periods of a window, of regular waves and of spectra
+FEWEST, FEWEST_OF_A_SPECTRUM = 3, 20  # periods of a window
 SETTLE = 2.0  # periods after the front
 
 
@@ -163,7 +163,7 @@ def steady(case: Case) -> Finding | None:
     if not flume.gauges or (waves.source is not None and waves.source.side == "left"):
         return None
     face = flume.structure if flume.structure is not None else flume.right
-    fewest, end = FEWEST[waves.kind == "regular"], case.time.end
+    fewest, end = FEWEST if waves.kind == "regular" else FEWEST_OF_A_SPECTRUM, case.time.end
     ramp = waves.ramp_time() / wave.period
     if face is None or face <= flume.gauges[0]:  # nothing in front of the gauges sends waves back
         start = (flume.gauges[-1] - flume.maker) / wave.group_velocity + (ramp + SETTLE) * wave.period

@@ -21,7 +21,7 @@ from houle.waves.table import Source, Waves, Zone
 from houle.waves.wave import Components, Wave, WaveError, ramp
 
 NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
-WIDTH = {True: 1.0, False: 0.25}  # of a source for regular waves, for a spectrum with its short waves, in wavelengths
+WIDTH, NARROW = 1.0, 0.25  # wavelengths: of a source for regular waves, for a spectrum with its short waves
 FIRM, HARD = 2.0, 8.0  # of a zone where it begins to damp, in the strength of a sponge; and at the wall, in that
 LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
 
@@ -250,7 +250,7 @@ def left_over(strength: float, group_velocity: float, length: float) -> float:
 
 def source_width(table: Source, kind: str, wave: Wave) -> float:
     """Width [m] of the source: as given, or in proportion to the wavelength."""
-    return table.width or WIDTH[kind == "regular"] * wave.length
+    return table.width or (WIDTH if kind == "regular" else NARROW) * wave.length
 
 
 def oscillations(wave: Wave, kind: str) -> Components:
