@@ -44,6 +44,36 @@ class Linear(Wave):
     parts: Components
     highest: float
 
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        height: float,
+        period: float,
+        depth: float,
+        gravity: float,
+        parts: Components,
+        highest: float,
+        current: float,
+    ) -> Linear:
+        """The sum of these parts in one direction; length and speeds are of the period [s] on the current [m/s]."""
+        k = float(dispersion.wave_number(2 * np.pi / period, depth, gravity, current))
+        return cls(
+            name=name,
+            reason="",
+            height=height,
+            period=period,
+            length=float(2 * np.pi / k),
+            depth=depth,
+            celerity=float(dispersion.celerity(k, depth, gravity)) + current,
+            group_velocity=float(dispersion.group_velocity(k, depth, gravity)) + current,
+            gravity=gravity,
+            phase=0.0,
+            direction=float(parts.direction[0]),
+            parts=parts,
+            highest=highest,
+        )
+
     @property
     def crest(self) -> float:
         return self.highest

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.csv_table import read_columns
-from houle.waves import dispersion
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components, WaveError
@@ -69,22 +68,9 @@ def series(
     k = wave_number(omega, depth, gravity, current)
     phase = np.asarray(omega * t[0] - np.angle(spectrum[kept]) - k * place)  # cos(k x - omega t + phase)
     peak = 2 * np.pi / float(omega[np.argmax(np.where(omega > 0, size[kept], 0))])
-    peak_k = wave_number(2 * np.pi / peak, depth, gravity, current)
-    return Linear(
-        name="series",
-        reason="",
-        height=float(np.ptp(eta)),
-        period=peak,
-        length=float(2 * np.pi / peak_k),
-        depth=depth,
-        celerity=float(dispersion.celerity(peak_k, depth, gravity)) + current,
-        group_velocity=float(dispersion.group_velocity(peak_k, depth, gravity)) + current,
-        gravity=gravity,
-        phase=0.0,
-        direction=direction,
-        parts=Components(np.asarray(size[kept]), omega, k, phase, np.full(len(kept), direction)),
-        highest=max(1.2 * float(eta.max()), 0.05 * float(np.ptp(eta))),
-    )
+    parts = Components(np.asarray(size[kept]), omega, k, phase, np.full(len(kept), direction))
+    height = float(np.ptp(eta))
+    return Linear.of("series", height, peak, depth, gravity, parts, max(1.2 * float(eta.max()), 0.05 * height), current)
 
 
 def _padded(time: Array, eta: Array) -> tuple[Array, Array, float]:

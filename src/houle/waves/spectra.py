@@ -75,34 +75,6 @@ def cells(
     return Cells(edges[:-1] + draw.random(count) * width, energy / energy.sum())
 
 
-def _linear(
-    name: str,
-    height: float,
-    period: float,
-    depth: float,
-    gravity: float,
-    parts: Components,
-    highest: float,
-    current: float,
-) -> Linear:
-    k = float(wave_number(2 * np.pi / period, depth, gravity, current))
-    return Linear(
-        name=name,
-        reason="",
-        height=height,
-        period=period,
-        length=float(2 * np.pi / k),
-        depth=depth,
-        celerity=float(dispersion.celerity(k, depth, gravity)) + current,
-        group_velocity=float(dispersion.group_velocity(k, depth, gravity)) + current,
-        gravity=gravity,
-        phase=0.0,
-        direction=float(parts.direction[0]),
-        parts=parts,
-        highest=highest,
-    )
-
-
 def irregular(
     kind: str,
     height: float,
@@ -127,7 +99,7 @@ def irregular(
     omega = 2 * np.pi * c.f
     k = wave_number(omega, depth, gravity, current)
     parts = Components(amplitude, omega, k, phase, np.full(count, direction))
-    return _linear(kind, height, period, depth, gravity, parts, 0.6 * HIGHEST * height, current)
+    return Linear.of(kind, height, period, depth, gravity, parts, 0.6 * HIGHEST * height, current)
 
 
 def focused(
@@ -152,4 +124,4 @@ def focused(
     omega = 2 * np.pi * c.f
     k = wave_number(omega, depth, gravity, current)
     parts = Components(height * c.energy, omega, k, omega * time - k * x, np.full(count, direction))
-    return _linear("focused", height, period, depth, gravity, parts, height, current)
+    return Linear.of("focused", height, period, depth, gravity, parts, height, current)
