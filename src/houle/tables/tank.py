@@ -132,11 +132,6 @@ class Fluid(Table):
     )
     acceleration: Point | None = Field(default=None, description="uniform push added to gravity, per axis [m/s2]")
 
-    @property
-    def eddy_viscosity(self) -> float:
-        """The Smagorinsky constant [-], 0 = off."""
-        return self.smagorinsky
-
 
 class Shape(Table):
     """One of box, polygon, below. Several tables of the same kind add up to their union."""
