@@ -12,7 +12,7 @@ from rich.table import Table
 from houle import preflight, wave_report
 from houle.case import Case
 from houle.checks import require
-from houle.layout import axes
+from houle.grid import axes
 from houle.open_checks import open_rows
 from houle.resistance import REFERENCE_VELOCITY, Passport
 
@@ -48,7 +48,8 @@ def show(case: Case, picture: Path, threads: int | None = None, console: Console
 def _grid(case: Case) -> str:
     grid = case.domain.grid
     cells = " x ".join(map(str, grid.shape))
-    spacing = ", ".join(f"{h * 1000:.5g} mm in {axis}" for h, axis in zip(grid.spacing, axes(case), strict=True))
+    sizes = zip(grid.spacing, axes(grid.dimension), strict=True)
+    spacing = ", ".join(f"{h * 1000:.5g} mm in {axis}" for h, axis in sizes)
     return f"Grid: {cells} cells; spacing {spacing} (asked for {case.domain.spacing * 1000:g} mm)"
 
 

@@ -21,7 +21,8 @@ from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
 from houle.ceiling import memory
 from houle.errors import CaseError
-from houle.layout import Finding, Section, axes
+from houle.grid import axes
+from houle.layout import Finding, Section
 from houle.open_checks import open_sides_fit
 from houle.paddle_checks import paddles_fit
 from houle.tables.control import SCHEMES, SHORTEST, WAVE_SHARE
@@ -73,7 +74,7 @@ def inside_domain(s: Section) -> Iterator[Finding]:
         ends = [(axis, float(v)) for corner in body.shape.bounds for axis, v in enumerate(corner) if np.isfinite(v)]
         beyond, axis, value = max((max(-v, v - size[a]) / size[a], a, v) for a, v in ends)
         if beyond * size[axis] > slack:
-            name, hint = axes(s.case)[axis], metres(value, size[axis])
+            name, hint = axes(s.case.dimension)[axis], metres(value, size[axis])
             yield Finding(
                 "error",
                 f"{body.key}.{kind}",
@@ -167,7 +168,7 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
 def spacing_divides(s: Section) -> Iterator[Finding]:
     """The spacing used along each axis is close to the one asked for."""
     asked = s.case.domain.spacing
-    for name, used, size in zip(axes(s.case), s.grid.spacing, s.grid.size, strict=True):
+    for name, used, size in zip(axes(s.case.dimension), s.grid.spacing, s.grid.size, strict=True):
         if abs(change := used / asked - 1) > 0.1:
             yield Finding(
                 "warning",
@@ -193,7 +194,7 @@ def instruments(s: Section) -> Iterator[Finding]:
 
 
 def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]:
-    name, size = axes(s.case)[axis], s.case.domain.size[axis]
+    name, size = axes(s.case.dimension)[axis], s.case.domain.size[axis]
     if not 0 <= value <= size:
         hint = metres(value, size)
         yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")

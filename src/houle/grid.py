@@ -81,6 +81,11 @@ class Grid:
         return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
 
 
+def axes(dimension: int) -> str:
+    """The letters of the axes, the last one up."""
+    return "xz" if dimension == 2 else "xyz"
+
+
 def widened(values: NDArray, axis: int, periodic: bool) -> NDArray:
     """With one cell more on both sides of an axis, which is moved to the front: wrapped, or the last one again."""
     margins = [(int(a == axis),) * 2 for a in range(values.ndim)]

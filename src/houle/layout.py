@@ -127,8 +127,3 @@ class Section:
                 centre = polylabel(outline, tolerance=0.02 * min(counted))
                 counted.append(2 * centre.distance(outline.exterior))
         return min(counted, default=inf)
-
-
-def axes(case: Case) -> str:
-    """The letters of the axes."""
-    return "xz" if case.dimension == 2 else "xyz"

@@ -18,7 +18,7 @@ from houle.errors import SimulationError
 from houle.flow import Flow
 from houle.frame import Frame
 from houle.geometry import shape_of
-from houle.grid import FloatArray
+from houle.grid import FloatArray, axes
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, at_points
 from houle.observe.held import water_held
@@ -288,8 +288,7 @@ class Simulation:
             "step_size": self.step_size,
             "particles": float(len(p)),
         }
-        axes = "xz" if self.grid.dimension == 2 else "xyz"
-        for a, axis in enumerate(axes):
+        for a, axis in enumerate(axes(self.grid.dimension)):
             row[f"momentum_{axis}"] = rho * _core.weighted_sum(flow.bulk, p.velocity, a)
         for name in OPERATIONS:
             row[f"energy_{name}"] = rho * ledger.energy[name]

@@ -15,7 +15,7 @@ import numpy as np
 
 from houle.flow import Flow
 from houle.geometry import Shape, shape_of
-from houle.grid import FloatArray, Grid
+from houle.grid import FloatArray, Grid, axes
 from houle.observe.bodies import BodyLoad
 from houle.observe.levels import Gauges, Phreatic
 from houle.observe.points import Sensors, at_points
@@ -117,7 +117,7 @@ class Observers:
 def stations(case: Any, grid: Grid) -> Stations:
     """Names and coordinates [m] of what is observed, beside gauges and sensors, by dimension of the results."""
     d, end = grid.dimension, grid.size[-1]
-    axes = "xz" if d == 2 else "xyz"
+    letters = axes(d)
     between = [f.between or (0.0, end) for f in case.flux]
     lines = [_line(case, p, grid) for p in case.phreatic]
     about = np.array([_about(case, f, grid) for f in case.force]).reshape(-1, d)
@@ -133,10 +133,10 @@ def stations(case: Any, grid: Grid) -> Stations:
         ),
         "phreatic": (
             [p.name for p, line in zip(case.phreatic, lines, strict=True) for _ in line],
-            {axis: [float(at[a]) for line in lines for at in line] for a, axis in enumerate(axes[:-1])},
+            {axis: [float(at[a]) for line in lines for at in line] for a, axis in enumerate(letters[:-1])},
         ),
         "paddle": _paddles(case),
-        "structure": (_names(case.force), {f"about_{axis}": about[:, a].tolist() for a, axis in enumerate(axes)}),
+        "structure": (_names(case.force), {f"about_{axis}": about[:, a].tolist() for a, axis in enumerate(letters)}),
     }
     return {kind: entry for kind, entry in found.items() if entry[0]}
 

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from houle.fields import OPERATIONS
-from houle.grid import FloatArray, Grid
+from houle.grid import FloatArray, Grid, axes
 from houle.laboratory import Data
 from houle.output import drawing
 from houle.output.drawing import FAINT, LINES, headings, label, label_ends, sheet
@@ -63,13 +63,13 @@ def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
         rows.append(("Pressure", "kPa", {name: pressure[s] / 1e3 for s, name in enumerate(names)}))
         rows.append(("Darcy velocity along x", "m/s", {n: velocity[s, :, 0] for s, n in enumerate(names)}))
     right = 1.55 if any(len(curves) > 1 or "" not in curves for _, _, curves in rows) else 0.3  # for the names
-    axes = ", ".join("xz" if grid.dimension == 2 else "xyz")
+    letters = ", ".join(axes(grid.dimension))
     with drawing.style():
         page = sheet(len(rows), 1, (6.4, 1.15), title(case), words, gap=(0, 0.5), margins=(LEFT, right, 0.5, 0.95))
         for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, rows, strict=True)):
             heights = _level_limits(curves[""]) if unit == "m" else None
             draw_curves(panel, series["time"].values, curves, unit, "t [s]" if i + 1 == len(rows) else "", heights)
-            headings(panel, name, "" if unit == "m" else f"sensors at ({axes}) [m]")
+            headings(panel, name, "" if unit == "m" else f"sensors at ({letters}) [m]")
         return page.save(path)
 
 
@@ -130,9 +130,9 @@ def _named(series: Data, names: dict[str, str]) -> Curves:
 
 def _places(series: Data, kind: str, form: str) -> list[str]:
     """The names of the gauges or sensors, each with its position; form: of one coordinate, from axis and value."""
-    axes = [axis for axis in "xyz" if f"{kind}_{axis}" in series]
-    numbers = np.stack([series[f"{kind}_{axis}"].values for axis in axes], axis=-1)
-    places = [", ".join(form.format(axis=a, value=v) for a, v in zip(axes, point, strict=True)) for point in numbers]
+    letters = [axis for axis in "xyz" if f"{kind}_{axis}" in series]
+    numbers = np.stack([series[f"{kind}_{axis}"].values for axis in letters], axis=-1)
+    places = [", ".join(form.format(axis=a, value=v) for a, v in zip(letters, point, strict=True)) for point in numbers]
     return [f"{name} ({place})" for name, place in zip(series[kind].values, places, strict=True)]
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.fields import Field, at, find
+from houle.grid import axes
 from houle.output import netcdf
 from houle.output.netcdf import Table, Variable
 
@@ -91,11 +92,6 @@ class SeriesWriter(netcdf.Growing):
             return Variable(("time",), values, attributes)
         tail = ("axis",) if values.ndim == 3 else ()
         return Variable((place, "time", *tail), np.moveaxis(values, 0, 1), attributes)
-
-
-def axes(dimension: int) -> str:
-    """Names of the axes: "xz" in 2D, "xyz" in 3D."""
-    return "xz" if dimension == 2 else "xyz"
 
 
 def describe(field: Field, dimension: int) -> dict[str, str]:
