@@ -7,9 +7,9 @@ field with its unit and range.
 
 from __future__ import annotations
 
-import copy
 import hashlib
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,7 +17,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from houle import case_errors
 from houle.agreement import PREFIXES, disagreements
-from houle.case_files import find, override, read_toml, to_toml
+from houle.case_files import find, override, plain, read_toml, to_toml
 from houle.errors import CaseError
 from houle.tables.base import Table
 from houle.tables.control import SCHEMES, Numerics, Output, Time
@@ -150,11 +150,15 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
             old = SCHEMES[source.numerics.scheme]
             data["numerics"] = {k: v for k, v in data["numerics"].items() if old.get(k) != v}
     elif isinstance(source, dict):
-        path, data = None, copy.deepcopy(source)
+        path, data = None, plain(source)
+    elif not isinstance(source, str | Path):
+        raise CaseError(f"case = {source!r}: give a file, the name of a shipped case, a dict of its tables, or a Case")
     else:
         path = find(source)
         data = read_toml(path)
-    for key, value in (overrides or {}).items():
+    if not (overrides is None or (isinstance(overrides, Mapping) and all(isinstance(key, str) for key in overrides))):
+        raise CaseError(f'overrides = {overrides!r}: give a dict of keys and values, {{"domain.spacing": 0.01}}')
+    for key, value in plain(overrides or {}).items():
         override(data, key, value)
         if key in ("time.step", "time.courant"):
             data["time"].pop("courant" if key == "time.step" else "step", None)

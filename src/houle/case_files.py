@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,17 @@ def parse_override(text: str) -> tuple[str, Any]:
         raise CaseError(
             f"--set {text}: {value} is not a TOML value (a number, true, [1, 2], or text in quotes)"
         ) from None
+
+
+def plain(value: Any) -> Any:
+    """A copy with the lists and numbers of Python for those of NumPy, and text for paths."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: plain(inside) for key, inside in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(inside) for inside in value]
+    return str(value) if isinstance(value, Path) else value
 
 
 def override(data: dict[str, Any], key: str, value: Any) -> None:

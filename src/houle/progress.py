@@ -5,6 +5,7 @@ Nothing heavy is imported here, so that the first words appear at once, before N
 
 from __future__ import annotations
 
+import os
 import sys
 from collections import deque
 from dataclasses import dataclass
@@ -141,11 +142,11 @@ class Bar(Lines):
 
 
 def reporter(progress: bool, stream: TextIO | None = None) -> Silent:
-    """The one that fits: a bar when the stream (standard error if not given) is a terminal."""
+    """The one that fits: a bar when the stream (standard error if not given) is a terminal that can draw one."""
     stream = stream or sys.stderr
     if not progress:
         return Silent()
-    return Bar(stream) if stream.isatty() else Lines(stream)
+    return Bar(stream) if stream.isatty() and os.environ.get("TERM") != "dumb" else Lines(stream)
 
 
 def duration(seconds: float) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from functools import cached_property
 from importlib.util import find_spec
+from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -295,13 +296,17 @@ def check_outputs(case: Case, directory: Path) -> None:
 
 
 def check_threads(threads: int | None, says: Silent) -> None:
-    """More threads than cores wait for each other."""
+    """A whole number from 1 on; more threads than cores wait for each other."""
     cores = os.cpu_count() or 1
+    if threads is not None and (not isinstance(threads, Integral) or threads < 1):
+        raise CaseError(f"threads = {threads!r}: give a whole number from 1 on, {cores} is best here, or leave it out")
     if threads is not None and threads > cores:
         says.say(f"warning: threads = {threads} on a machine of {cores} cores is much slower than {cores}")
 
 
 def check_until(until: float | None, time: float) -> None:
+    if until is not None and not isinstance(until, Real):
+        raise CaseError(f"until = {until!r} is not a number: give a time [s]")
     if until is not None and not until > time:
         raise CaseError(f"until = {until:g} s is not after t = {time:g} s, where this run begins. Give a later time")
 

@@ -3,8 +3,10 @@
 import copy
 import json
 import sys
+from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 
 from houle.case import Case, load, schema
@@ -91,6 +93,31 @@ def test_overrides_reach_bodies_by_name_and_by_number():
     assert case.porous[0].porosity == 0.4 and [g.x for g in case.gauge] == [0.1, 0.7]
     assert load(case, {"porous[0].added_mass": 0.5}).porous[0].added_mass == 0.5
     assert load(copy.deepcopy(DAM), {"domain.size[0]": 2.0}).domain.size == (2.0, 0.58)
+
+
+def test_numbers_of_numpy_and_paths_are_taken():
+    case = dam(
+        domain__spacing=np.float32(0.25),
+        domain__size=np.array([0.75, 0.5]),
+        numerics__order=np.int64(3),
+        reference={"surface": Path("lab.csv")},
+    )
+    assert (case.domain.spacing, case.domain.size, case.numerics.order) == (0.25, (0.75, 0.5), 3)
+    assert case.reference.surface == "lab.csv" and load({**DAM, "time": {"end": np.float32(2.0)}}).time.end == 2.0
+
+
+@pytest.mark.parametrize(
+    ("source", "overrides", "words"),
+    [
+        (3, None, r"case = 3: give a file, the name of a shipped case, a dict"),
+        (None, None, r"case = None: give a file"),
+        (DAM, ["domain.spacing=0.01"], r"overrides = .*: give a dict of keys and values"),
+        (DAM, {3: 0.01}, r"overrides = \{3: 0.01\}: give a dict"),
+    ],
+)
+def test_what_is_no_case_and_no_override_is_told_as_such(source, overrides, words):
+    with pytest.raises(CaseError, match=words):
+        load(source, overrides)
 
 
 def test_overrides_of_a_case_replace_what_excludes_them():

@@ -207,6 +207,13 @@ def test_ctrl_c_while_pictures_are_made_says_how_to_make_them(tank, monkeypatch)
     assert houle.resume("mine").summary["finished"]
 
 
+@pytest.mark.parametrize("wrong", [{"threads": 0}, {"threads": 1.5}, {"threads": "two"}, {"until": "2"}])
+def test_threads_and_until_of_the_wrong_kind_are_bad_input(tank, wrong):
+    with pytest.raises(CaseError, match=f"{next(iter(wrong))} = .*: give a"):
+        houle.run(tank, **wrong)
+    assert list(Path().iterdir()) == []
+
+
 def test_more_threads_than_cores_are_warned_of(tank, capsys):
     houle.run(tank, threads=1000, progress=True)
     assert "warning: threads = 1000 on a machine of" in capsys.readouterr().err
@@ -346,6 +353,18 @@ def test_lines_say_time_speed_and_drift(tank, monkeypatch):
     last = next(line for line in reversed(lines) if line.startswith("t ="))
     assert last.startswith("t = 0.500 of 0.5 s, 100 %, 0.0 s left, ")
     assert all(word in last for word in ("steps/s", "us/particle/step", "200 particles", "volume drift +0e+00"))
+
+
+def test_a_bar_is_drawn_where_it_can_be(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setenv("TERM", "xterm")
+    assert type(progress.reporter(True, Terminal())) is progress.Bar
+    assert type(progress.reporter(True, io.StringIO())) is progress.Lines
+    monkeypatch.setenv("TERM", "dumb")
+    assert type(progress.reporter(True, Terminal())) is progress.Lines
 
 
 def test_durations_read_well():

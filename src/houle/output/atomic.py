@@ -14,7 +14,7 @@ import h5py
 from houle.errors import HouleError
 
 _CURES = {
-    errno.ENOSPC: "free some space, or write elsewhere with --out",
+    errno.ENOSPC: "free some space (houle resume goes on with a run that was stopped), or write elsewhere with --out",
     errno.EDQUOT: "the quota is used up: free some space, or write elsewhere with --out",
     errno.EFBIG: "the file system or a limit (ulimit -f) forbids a file this large: write elsewhere with --out",
     errno.EACCES: "make the folder writable, or write elsewhere with --out",
