@@ -134,7 +134,7 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
     lc.first[p] = std::min(first, last);
     lc.last[p] = last;
   }
-  constexpr index heavy = 8;
+  constexpr index heavy = 64;
   auto *f = &fine, *c = &coarse;
   parallel_for_grid(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
   lc.list(&lf, coarser);

@@ -45,9 +45,9 @@ HOULE_NOINLINE inline void run_share(index begin, index end, const Body& shared)
 }
 
 template <class Body>
-inline Team::Loop loop_of(const Body& body, index chunk, int shares) {
+inline Team::Loop loop_of(const Body& body, index chunk, int shares, int stages = 1) {
   return {[](const void* b, index begin, index end) { run_share(begin, end, *static_cast<const Body*>(b)); }, &body,
-          chunk, shares};
+          chunk, shares, stages};
 }
 
 // The first of i = 0..n-1 that lies in a share or a later one. place(i) tells where in the work i lies, growing from 0
@@ -109,20 +109,24 @@ inline void parallel_for_placed(index n, Place place, const Body& body, index gr
   parallel_for_shares(n, [=](int s, int shares) { return share_bound(n, shares, s, place); }, body, grain);
 }
 
-// Calls body(i) for few and heavy i = 0..n-1 (slabs), colour by colour: no two of different colours at the same time.
+// Calls body(i) for few and heavy i = 0..n-1 (slabs), colour by colour: an i begins when those beside it, around the
+// end too, of the colours before its own are done. What is not beside it is not waited for.
 template <class Colour, class Place, class Body>
 inline void parallel_for_coloured(index n, int colours, Colour colour, Place place, const Body& body) {
   Team& team = Team::shared();
-  const int shares = static_cast<int>(std::min<index>(team.size(), n));
-  for (int now = 0; now < colours; ++now) {
-    const auto pass = [=](index i) {
-      if (colour(i) == now) run_share(i, i + 1, body);
-    };
-    const auto bound = [=](int s) { return share_bound(n, shares, s, place); };
-    index many = 0;  // of this colour
-    for (index i = 0; i < n; ++i) many += colour(i) == now;
-    if (many < 2 || shares < 2 || !team.run(loop_of(pass, 1, shares), bound)) run_share(0, n, pass);
-  }
+  const int shares = static_cast<int>(std::min<index>({team.size(), n, Team::most / colours}));
+  Done all(n), *done = &all;
+  const auto turn = [=](index k) {  // i in the pass of one colour
+    const int now = static_cast<int>(k / n);
+    const index i = k % n;
+    if (colour(i) != now) return;
+    for (const index beside : {(i + n - 1) % n, (i + 1) % n})
+      if (colour(beside) < now) done->wait(beside);
+    run_share(i, i + 1, body);
+    done->set(i);
+  };
+  const auto bound = [=](int s) { return s / shares * n + share_bound(n, shares, s % shares, place); };
+  if (shares < 2 || !team.run(loop_of(turn, 1, shares, colours), bound)) run_share(0, colours * n, turn);
 }
 
 // Operations 0 .. count - 1 on every slice: op(k, from, to), on the slices from .. to - 1, reads what operation k - 1
@@ -141,6 +145,10 @@ inline void parallel_in_turn(index slices, int count, index work, Bound bound, c
     for (int k = 0; k < count; ++k) parallel_for_shares(slices, bound, [=](index i) { op(k, i, i + 1); }, 1);
     return;
   }
+  if (blocks == 1) {
+    for (int k = 0; k < count; ++k) op(k, 0, slices);
+    return;
+  }
   std::array<index, most + 1> start{};
   for (index b = 1; b < blocks; ++b)
     start[b] = std::clamp<index>(bound(static_cast<int>(b), static_cast<int>(blocks)), start[b - 1] + narrowest,
@@ -153,7 +161,7 @@ inline void parallel_in_turn(index slices, int count, index work, Bound bound, c
     for (int k = 0; k < count; ++k) op(k, from + k * a, to + k * b);
   };
   const auto colour = [](index q) { return static_cast<int>(q % 2); };
-  const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks - 1); };
+  const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks); };
   parallel_for_coloured(2 * blocks - 1, 2, colour, place, part);
 }
 

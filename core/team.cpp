@@ -26,6 +26,15 @@ inline void pause() {
 #endif
 }
 
+template <class Test>
+inline void wait_until(Test test) {
+  for (int looks = 0; !test(); ++looks)
+    if (looks < PATIENCE)
+      pause();
+    else
+      std::this_thread::yield();
+}
+
 int wanted_threads() {
   const char* text = std::getenv("OMP_NUM_THREADS");
   const int wanted = text ? std::atoi(text) : 0;
@@ -64,7 +73,7 @@ index Team::post(int s, const Loop& loop, index begin, index end) {
   share.begin.store(begin, relaxed);
   share.end.store(end, relaxed);
   share.chunk.store(loop.chunk, relaxed);
-  share.shares.store(loop.shares, relaxed);
+  share.parts.store({static_cast<std::int16_t>(loop.shares), static_cast<std::int16_t>(loop.stages)}, relaxed);
   share.next.store(Count{number_} << 32, std::memory_order_release);
   return end > begin ? (end - begin + loop.chunk - 1) / loop.chunk : 0;
 }
@@ -96,23 +105,24 @@ index Team::take(int s, std::uint32_t number) {
 }
 
 // The caller's own share, what has not been taken of the others', and the wait for the chunks that are under way.
-void Team::finish(int shares, index chunks) {
+void Team::finish(index chunks) {
+  const Parts parts = share_[0].parts.load(std::memory_order_relaxed);
   index left = chunks - take(0, number_);
   const auto others = [&] {
     index done = 0;
-    for (int s = 1; s < shares; ++s) {
+    for (int s = 1; s < parts.all(); ++s) {
       const Count count = tally_[s].done.load(std::memory_order_acquire);
       if (count >> 32 == number_) done += static_cast<index>(count & 0xffffffffu);
     }
     return done;
   };
   if (others() == left) return;
-  for (int s = 1; s < shares; ++s) left -= take(s, number_);
-  for (int looks = 0; others() != left; ++looks)
-    if (looks < PATIENCE)
-      pause();
-    else
-      std::this_thread::yield();
+  for (int k = 1; k < parts.all(); ++k) left -= take(parts.of(0, k), number_);
+  wait_until([&] { return others() == left; });
+}
+
+void Done::wait(index part) const {
+  wait_until([&] { return done_[part].load(std::memory_order_acquire); });
 }
 
 void Team::work(int self) {
@@ -122,10 +132,10 @@ void Team::work(int self) {
     const auto number = static_cast<std::uint32_t>(share_[self].next.load(std::memory_order_acquire) >> 32);
     if (number != last) {
       last = number;
-      const int shares = share_[self].shares.load(std::memory_order_relaxed);
+      const Parts parts = share_[self].parts.load(std::memory_order_relaxed);
       Count done = 0;
-      for (int k = 0; k < shares; ++k) {
-        const index taken = take((self + k) % shares, number);
+      for (int k = 0; k < parts.all(); ++k) {
+        const index taken = take(parts.of(self, k), number);
         if (taken == 0) continue;
         done += static_cast<Count>(taken);
         tally_[self].done.store(Count{number} << 32 | done, std::memory_order_release);

@@ -17,10 +17,22 @@
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
+#include <vector>
 
 namespace houle {
 
 using index = std::ptrdiff_t;
+
+// Which parts of a loop are done, for those that must come after.
+class Done {
+ public:
+  explicit Done(index parts) : done_(static_cast<std::size_t>(parts)) {}
+  void set(index part) { done_[part].store(true, std::memory_order_release); }
+  void wait(index part) const;  // for one that a running thread has begun, or the caller is about to
+
+ private:
+  std::vector<std::atomic<bool>> done_;
+};
 
 class Team {
  public:
@@ -29,8 +41,9 @@ class Team {
   struct Loop {
     void (*run)(const void* body, index begin, index end);
     const void* body;
-    index chunk;  // iterations taken at a time
-    int shares;
+    index chunk;     // iterations taken at a time
+    int shares;      // in each of the
+    int stages = 1;  // whose shares are all taken before one of the next
   };
 
   static Team& shared();  // one per process, as many threads as OMP_NUM_THREADS says, else as the machine has
@@ -45,33 +58,39 @@ class Team {
   }
   double share_before(int place) const { return share_before_[place].load(std::memory_order_relaxed); }
 
-  // Runs the loop, share s being [bound(s), bound(s + 1)). False: the team is at work (another Python thread, a loop
-  // in a loop), and the caller has to run the loop itself.
+  // Runs the loop, share s of all stages being [bound(s), bound(s + 1)). False: the team is at work (another Python
+  // thread, a loop in a loop), and the caller has to run the loop itself.
   template <class Bound>
   bool run(const Loop& loop, Bound bound) {
     std::unique_lock<std::mutex> mine(busy_, std::try_to_lock);
     if (!mine) return false;
     ++number_;
-    index begin = bound(0), chunks = 0;
-    for (int s = 0; s < loop.shares; ++s) {
-      const index end = bound(s + 1);
+    const int all = loop.shares * loop.stages;
+    index end = bound(all), chunks = 0;
+    for (int s = all - 1; s >= 0; --s) {  // the first last: who has seen his finds those of the later stages
+      const index begin = bound(s);
       chunks += post(s, loop, begin, end);
-      begin = end;
+      end = begin;
     }
     wake();
-    finish(loop.shares, chunks);
+    finish(chunks);
     return true;
   }
 
  private:
   using Count = std::uint64_t;  // number of the loop, then of chunks in it
 
+  struct Parts {  // read at once: all of one loop
+    std::int16_t shares = 1, stages = 1;
+    int all() const { return shares * stages; }
+    int of(int self, int k) const { return k / shares * shares + (self + k) % shares; }  // which a thread takes as k-th
+  };
   struct alignas(64) Share {
     std::atomic<Count> next{0};  // chunk
     std::atomic<void (*)(const void*, index, index)> run{nullptr};
     std::atomic<const void*> body{nullptr};
     std::atomic<index> begin{0}, end{0}, chunk{0};
-    std::atomic<int> shares{0};
+    std::atomic<Parts> parts{Parts{}};
   };
   struct alignas(64) Tally {
     std::atomic<Count> done{0};  // chunks that this thread has taken from others than the caller knows of
@@ -91,7 +110,7 @@ class Team {
   index post(int s, const Loop& loop, index begin, index end);  // returns the chunks of the share
   void wake();
   index take(int s, std::uint32_t number);  // chunks of share s, as long as there are any; returns how many
-  void finish(int shares, index chunks);
+  void finish(index chunks);
   void work(int self);
 };
 
