@@ -41,11 +41,7 @@ static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const 
                                    const OptionalListed& inverse_n2) {
   Resistance<D> r;
   if (!table) return r;
-  if (!number.empty() && number.size() != D) throw std::invalid_argument("number needs one array per axis");
-  for (std::size_t a = 0; a < number.size(); ++a) {
-    require_size(number[a].size(), g.faces(static_cast<int>(a)), "number");
-    r.number[a] = number[a].data();
-  }
+  r.number = optional_faces(g, number, "number");
   r.table = materials_of(*table);
   r.rate = optional_faces(g, rate, "rate");
   r.inverse_n2 = listed_of(g, inverse_n2, "inverse_n2");
@@ -93,21 +89,23 @@ static void bind(nb::module_& m) {
       "Height of the water in each column of cells [m].");
   m.def(
       "column_levels",
-      [](G g, Field fill, Field inverse_capacity, Array<std::int64_t> column, Array<std::int64_t> start, Field pieces,
-         Field level) {
+      [](G g, Field height, Field porosity, Field fill, Field inverse_capacity, Array<std::int64_t> column,
+         Array<std::int64_t> start, Field pieces, Field level) {
         static_assert(sizeof(CapacityPiece) == 5 * sizeof(double));
         const index count = static_cast<index>(column.size());
+        require_columns(g, height.size(), "height");
+        require_columns(g, porosity.size(), "porosity");
         require_cells(g, fill.size(), "fill");
         require_cells(g, inverse_capacity.size(), "inverse capacity");
         require_size(start.size(), count + 1, "start");
         require_size(pieces.size(), 5 * start.data()[count], "pieces");
         require_columns(g, level.size(), "level");
         nb::gil_scoped_release release;
-        column_levels<D>(g, fill.data(), inverse_capacity.data(), count, column.data(), start.data(),
-                         reinterpret_cast<const CapacityPiece*>(pieces.data()), level.data());
+        column_levels<D>(g, height.data(), porosity.data(), fill.data(), inverse_capacity.data(), count, column.data(),
+                         start.data(), reinterpret_cast<const CapacityPiece*>(pieces.data()), level.data());
       },
-      "grid"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "start"_a, "pieces"_a, "level"_a,
-      "Level to which their water fills the pores of the listed columns [m].");
+      "grid"_a, "height"_a, "porosity"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "start"_a, "pieces"_a, "level"_a,
+      "Level to which their water fills the pores of the columns [m].");
   m.def(
       "find_surface",
       [](G g, Field fill, ListedField open, Field level, bool columns, Field depth, Mask active, Field column,
@@ -125,6 +123,14 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "fill"_a, "open"_a, "level"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
+  m.def(
+      "water_above",
+      [](G g, Field fill, index row) {
+        require_cells(g, fill.size(), "fill");
+        nb::gil_scoped_release release;
+        return water_above<D>(g, fill.data(), row);
+      },
+      "grid"_a, "fill"_a, "row"_a, "Whether there is water in this row of cells or above.");
   m.def(
       "water_held",
       [](G g, Mask active, ListedField open, Field fill, Field inverse_capacity, Field height,
@@ -358,6 +364,24 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "closed"_a, "velocity"_a, "Velocity on closed faces such that none crosses the outline of the solids.");
   m.def(
+      "face_kinetic_energy",
+      [](G g, FaceFields mass, FaceNumbers number, Field table, FaceFields u) {
+        const auto mm = ConstFaces<D>(faces_of(g, mass, "mass")), uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        const auto numbers = optional_faces(g, number, "number");
+        nb::gil_scoped_release release;
+        return face_kinetic_energy<D>(g, mm, numbers, materials_of(table), uu);
+      },
+      "grid"_a, "mass"_a, "number"_a, "table"_a, "u"_a, "Kinetic energy of the faces per unit density.");
+  m.def(
+      "face_power",
+      [](G g, FaceFields mass, FaceFields u, FaceFields acceleration) {
+        const auto mm = ConstFaces<D>(faces_of(g, mass, "mass")), uu = ConstFaces<D>(faces_of(g, u, "velocity"));
+        const auto ff = ConstFaces<D>(faces_of(g, acceleration, "acceleration"));
+        nb::gil_scoped_release release;
+        return face_power<D>(g, mm, uu, ff);
+      },
+      "grid"_a, "mass"_a, "u"_a, "acceleration"_a, "Power of the accelerations on the faces per unit density.");
+  m.def(
       "leave_solids",
       [](G g, Outline solids, Field x) {
         const index n = points_of<D>(x, "position");
@@ -382,26 +406,6 @@ static void bind_sums(nb::module_& m) {
                                : kinetic_energy<3>(n, bulk.data(), J, u.data());
       },
       "bulk"_a, "inertia"_a.none(), "u"_a, "Kinetic energy of the particles per unit density.");
-  m.def(
-      "face_kinetic_energy",
-      [](Field mass, std::optional<Array<std::int32_t>> number, Field table, Field u) {
-        const index n = static_cast<index>(mass.size());
-        require_size(u.size(), n, "velocity");
-        if (number) require_size(number->size(), n, "number");
-        const std::int32_t* numbers = number ? number->data() : nullptr;
-        nb::gil_scoped_release release;
-        return face_kinetic_energy(n, mass.data(), numbers, materials_of(table), u.data());
-      },
-      "mass"_a, "number"_a.none(), "table"_a, "u"_a, "Kinetic energy of the faces of one axis per unit density.");
-  m.def(
-      "face_power",
-      [](Field mass, Field u, Field acceleration) {
-        const index n = static_cast<index>(mass.size());
-        for (const Field* f : {&u, &acceleration}) require_size(f->size(), n, "face field");
-        nb::gil_scoped_release release;
-        return face_power(n, mass.data(), u.data(), acceleration.data());
-      },
-      "mass"_a, "u"_a, "acceleration"_a, "Power of the accelerations on the faces of one axis per unit density.");
   m.def(
       "all_finite",
       [](Field x) {

@@ -42,6 +42,19 @@ static void bind(nb::module_& m) {
       "grid"_a, "position"_a, "cell"_a, "order"_a, "start"_a,
       "Stable order of the particles by cell: order (N,), start (cells + 1,); cell (N,) is work space.");
   m.def(
+      "sort_particles",
+      [](G g, Field x, Field u, Field volume, Field spare, Array<std::int32_t> order, Array<std::int32_t> start) {
+        const index n = points_of<D>(x, "position");
+        for (const Field* rows : {&u, &spare}) require_size(rows->size(), n * D, "particle array");
+        require_size(volume.size(), n, "volume");
+        require_size(order.size(), n, "order");
+        require_size(start.size(), g.cells() + 1, "start");
+        nb::gil_scoped_release release;
+        sort_particles<D>(g, n, x.data(), u.data(), volume.data(), spare.data(), order.data(), start.data());
+      },
+      "grid"_a, "position"_a, "velocity"_a, "volume"_a, "spare"_a, "order"_a, "start"_a,
+      "Particles in the order of their cells, which cell_sort finds; spare (N, d) is work space.");
+  m.def(
       "scatter_cells",
       [](G g, Array<std::int32_t> start, Field x, Field amount, Field out, OptionalField paddles,
          OptionalField factor) {
@@ -159,36 +172,7 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
           "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
 }
 
-// Numbers in each of the rows that two arrays have, one row for each entry of `order`.
-static index row_width(const Array<std::int32_t>& order, const Field& one, const char* one_name, const Field& other,
-                       const char* other_name) {
-  const index n = static_cast<index>(order.size()), width = n ? static_cast<index>(one.size()) / n : 1;
-  require_size(one.size(), n * width, one_name);
-  require_size(other.size(), n * width, other_name);
-  return width;
-}
-
-static void bind_permute(nb::module_& m) {
-  m.def(
-      "permute",
-      [](Array<std::int32_t> order, Field from, Field to) {
-        const index width = row_width(order, from, "from", to, "to");
-        nb::gil_scoped_release release;
-        permute(static_cast<index>(order.size()), width, order.data(), from.data(), to.data());
-      },
-      "order"_a, "from_"_a, "to"_a, "to[k] = from_[order[k]], rows of any width.");
-  m.def(
-      "reorder",
-      [](Array<std::int32_t> order, Field rows, Field spare) {
-        const index width = row_width(order, rows, "rows", spare, "spare");
-        nb::gil_scoped_release release;
-        reorder(static_cast<index>(order.size()), width, order.data(), rows.data(), spare.data());
-      },
-      "order"_a, "rows"_a, "spare"_a, "rows[k] = old rows[order[k]]; spare, of the same shape, is work space.");
-}
-
 void bind_transfer(nb::module_& m) {
-  bind_permute(m);
   bind<2>(m);
   bind<3>(m);
   bind_mass_matrix<2>(m, "MassMatrix2");

@@ -17,10 +17,10 @@ struct Material {
 // The porous medium as the faces see it.
 template <int D>
 struct Resistance {
-  std::array<const std::int32_t*, D> number{};  // of the material of each face, null: 0
-  const Material* table = nullptr;              // null: clear water everywhere
-  ConstFaces<D> rate;                           // further linear resistance of the faces [1/s], null: none
-  Listed inverse_n2;                            // cells <1/n^2>, null: 1
+  ConstFaces<D, std::int32_t> number;  // of the material of each face, null: 0
+  const Material* table = nullptr;     // null: clear water everywhere
+  ConstFaces<D> rate;                  // further linear resistance of the faces [1/s], null: none
+  Listed inverse_n2;                   // cells <1/n^2>, null: 1
 };
 
 // What surrounds the faces of axis a on one row: of the other components the four faces around, and the cells about.

@@ -38,18 +38,20 @@ inline double level_of(const CapacityPiece* first, const CapacityPiece* last, do
   return p.z + s * length;
 }
 
-// Level [m] of the listed columns, overwritten in `level` (one per column); the others keep theirs.
+// Level [m] of all columns. Uniform ones are filled to height / porosity, of column_heights (columns) [m] and their
+// pores (columns); the listed ones by their pieces:
 // fill (cells): share of its capacity that each cell holds; inverse_capacity (cells): 1 / the water in its tent when
 // all pores are full [1/m^D], 0 in solids. The sum over a column is the water in the column's horizontal tent. Cells
 // well under water count as full: how the particles crowd there is no matter of the level, and where the porosity
 // changes they crowd by a few percent. column (count,): their numbers; piece number start[i] to start[i + 1] - 1 are
 // those of column[i].
 template <int D>
-inline void column_levels(const Grid<D>& g, const double* fill, const double* inverse_capacity, index count,
-                          const std::int64_t* column, const std::int64_t* start, const CapacityPiece* pieces,
-                          double* level) {
+inline void column_levels(const Grid<D>& g, const double* height, const double* porosity, const double* fill,
+                          const double* inverse_capacity, index count, const std::int64_t* column,
+                          const std::int64_t* start, const CapacityPiece* pieces, double* level) {
   const index nz = g.shape[D - 1];
   const double hz = g.h[D - 1], cell = g.cell_volume();
+  parallel_for_grid(g.cells() / nz, [=](index c) { level[c] = height[c] / porosity[c]; });
   parallel_for(
       count,
       [=](index i) {
@@ -61,7 +63,7 @@ inline void column_levels(const Grid<D>& g, const double* fill, const double* in
           if (inverse[k] > 0.0) water += (k + 2 < top ? 1.0 : F[k]) / inverse[k];
         level[column[i]] = hz * level_of(pieces + start[i], pieces + start[i + 1] - 1, water / cell);
       },
-      64);
+      16);
 }
 
 }  // namespace houle

@@ -5,16 +5,46 @@
 
 namespace houle {
 
-// Sum of term(i), four at a time: the additions of a group do not wait for those of the one before.
+// Sums of term(r, i), i = 0..n[r]-1, for every range r, by blocks: of all ranges in one loop. Four terms at a time, so
+// that the additions of a group do not wait for those of the one before.
+template <std::size_t ranges, class Term>
+inline std::array<double, ranges> sums_by_four(const std::array<index, ranges>& n, Term term) {
+  constexpr index block = 2048;
+  std::array<index, ranges + 1> first{};  // block of each range
+  for (std::size_t r = 0; r < ranges; ++r) first[r + 1] = first[r] + (n[r] + block - 1) / block;
+  const auto part = parallel_values(
+      first[ranges],
+      [=](index b) {
+        std::size_t r = 0;
+        while (b >= first[r + 1]) ++r;
+        const index begin = (b - first[r]) * block, end = std::min(begin + block, n[r]),
+                    fours = end - (end - begin) % 4;
+        double sum = 0.0, rest = 0.0;
+        for (index i = begin; i < fours; i += 4)
+          sum += (term(r, i) + term(r, i + 1)) + (term(r, i + 2) + term(r, i + 3));
+        for (index i = fours; i < end; ++i) rest += term(r, i);
+        return sum + rest;
+      },
+      4);
+  std::array<double, ranges> sum{};
+  for (std::size_t r = 0; r < ranges; ++r)
+    for (index b = first[r]; b < first[r + 1]; ++b) sum[r] += part[b];
+  return sum;
+}
+
 template <class Term>
 inline double sum_by_four(index n, Term term) {
-  return parallel_sum((n + 3) / 4, [=](index q) {
-    const index i = 4 * q;
-    if (i + 4 <= n) return (term(i) + term(i + 1)) + (term(i + 2) + term(i + 3));
-    double rest = 0.0;
-    for (index j = i; j < n; ++j) rest += term(j);
-    return rest;
-  });
+  return sums_by_four<1>({n}, [=](std::size_t, index i) { return term(i); })[0];
+}
+
+// Sum of term(a, f) over the faces of all axes.
+template <int D, class Term>
+inline double sum_of_faces(const Grid<D>& g, Term term) {
+  std::array<index, D> n;
+  for (int a = 0; a < D; ++a) n[a] = g.faces(a);
+  double sum = 0.0;
+  for (double part : sums_by_four(n, term)) sum += part;
+  return sum;
 }
 
 // Sum of all, in blocks and then in pairs: hundreds of thousands of volumes are added with an error of a few
@@ -52,16 +82,19 @@ inline double kinetic_energy(index n, const double* bulk, const float* inertia, 
   });
 }
 
-// 1/2 sum_f m_f J_f u_f^2 over the faces of one axis; J by the number of the face's material, 1 where that is null
-inline double face_kinetic_energy(index n, const double* mass, const std::int32_t* number, const Material* table,
-                                  const double* u) {
-  return sum_by_four(n,
-                     [=](index f) { return 0.5 * mass[f] * (number ? table[number[f]].inertia : 1.0) * u[f] * u[f]; });
+// 1/2 sum_f m_f J_f u_f^2 over the faces; J by the number of the face's material, 1 where that is null
+template <int D>
+inline double face_kinetic_energy(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D, std::int32_t> number,
+                                  const Material* table, ConstFaces<D> u) {
+  return sum_of_faces(g, [=](std::size_t a, index f) {
+    return 0.5 * mass[a][f] * (number[a] ? table[number[a][f]].inertia : 1.0) * u[a][f] * u[a][f];
+  });
 }
 
-// sum_f m_f u_f f_f over the faces of one axis: the rate of work of the accelerations f
-inline double face_power(index n, const double* mass, const double* u, const double* acceleration) {
-  return sum_by_four(n, [=](index f) { return mass[f] * u[f] * acceleration[f]; });
+// sum_f m_f u_f f_f over the faces: the rate of work of the accelerations f
+template <int D>
+inline double face_power(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D> u, ConstFaces<D> acceleration) {
+  return sum_of_faces(g, [=](std::size_t a, index f) { return mass[a][f] * u[a][f] * acceleration[a][f]; });
 }
 
 // Whether all of n numbers are finite: x - x is then 0, else not a number.

@@ -129,6 +129,16 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
       64);
 }
 
+// Whether there is water in row `row` of the cells, counted upwards, or above.
+template <int D>
+inline bool water_above(const Grid<D>& g, const double* fill, index row) {
+  const index nz = g.shape[D - 1];
+  return parallel_max(g.cells() / nz, [=](index c) {
+           const double *first = fill + c * nz + std::max<index>(row, 0), *last = fill + (c + 1) * nz;
+           return std::all_of(first, last, [](double F) { return F == 0.0; }) ? 0.0 : 1.0;
+         }) > 0.0;
+}
+
 // The place of the surface between an active cell and its air neighbour, in cells from the active centre (ghost fluid,
 // Gibou 2002). The depth of the centre counts as `least` at least, which bounds the coefficient; on all faces of the
 // cell alike, so that its pressure is that of this depth and pushes to the side no more than the slope of the surface.

@@ -55,6 +55,16 @@ inline void reorder(index n, index width, const std::int32_t* order, double* row
   });
 }
 
+// Particles in the order of their cells; spare (n, D) is work space.
+template <int D>
+inline void sort_particles(const Grid<D>& g, index n, double* x, double* u, double* volume, double* spare,
+                           std::int32_t* order, std::int32_t* start) {
+  cell_sort<D>(g, n, x, reinterpret_cast<std::int32_t*>(spare), order, start);
+  reorder(n, D, order, x, spare);
+  reorder(n, D, order, u, spare);
+  reorder(n, 1, order, volume, spare);
+}
+
 // Runs slab(p_begin, p_end) over all particles, each slab of columns once, neighbours never at the same time.
 template <int D, class Slab>
 inline void each_slab(const Grid<D>& g, const std::int32_t* start, const Slab& slab) {

@@ -8,13 +8,17 @@ state. Above the rows the domain is air; results always have the grid of the who
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from houle import _core
 from houle.case import Case
 from houle.geometry import shape_of
-from houle.grid import FloatArray
+
+if TYPE_CHECKING:
+    from houle.flow import Flow
 
 HEADROOM = 8  # rows that stay dry: a step looks 6 of them above the water, and the water rises by less than one
 MARGIN = 12  # rows above what the case places, when the run starts
@@ -42,10 +46,10 @@ def memory(case: Case, particles: float, rows: int) -> float:
     return PROGRAM + PER_PARTICLE * particles + PER_CELL[case.dimension] * columns * rows
 
 
-def more_rows(fill: FloatArray, most: int) -> int:
+def more_rows(flow: Flow, most: int) -> int:
     """For the next step, up to `most`, with the fill of the cells now."""
-    rows = fill.shape[-1]
-    if rows == most or not fill[..., -HEADROOM:].any():
+    rows = flow.grid.shape[-1]
+    if rows == most or not _core.water_above(flow.grid.core, flow.fill, rows - HEADROOM):
         return rows
     return min(most, max(rows + MARGIN, math.ceil(GROWTH * rows)))
 

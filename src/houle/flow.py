@@ -81,7 +81,7 @@ class Flow:
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
         self.time = 0.0  # of the positions [s]
         self.last_step = 0.0  # [s]
-        self.fastest = np.zeros(grid.dimension)  # largest |u_d| / n along each axis, of an arranged flow [m/s]
+        self.fastest = [0.0] * grid.dimension  # largest |u_d| / n along each axis, of an arranged flow [m/s]
         self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
         self.sides: list[OpenSide] = []  # through which water comes and goes; also among the driven
         self.makers: list[Maker] = []  # of waves
@@ -193,9 +193,7 @@ class Flow:
 
     def grid_kinetic_energy(self) -> float:
         m = self.medium
-        numbers = m.material or (None,) * self.grid.dimension
-        parts = zip(self.work.face_mass, numbers, self.velocity, strict=True)
-        return sum(_core.face_kinetic_energy(mass, number, m.materials, u) for mass, number, u in parts)
+        return _core.face_kinetic_energy(self.grid.core, self.work.face_mass, m.material, m.materials, self.velocity)
 
     def potential_energy(self) -> float:
         d = self.grid.dimension
@@ -213,11 +211,11 @@ class Flow:
         """Cells that the fastest particle goes in dt [s]."""
         return self.crossed(self.max_pore_speed()) * dt
 
-    def crossed(self, speed: FloatArray) -> float:
+    def crossed(self, speed: list[float]) -> float:
         """Cells crossed in a second at this speed along each axis [m/s]."""
-        return float(max(v / h for v, h in zip(speed, self.grid.spacing, strict=True)))
+        return max(v / h for v, h in zip(speed, self.grid.spacing, strict=True))
 
-    def max_pore_speed(self) -> FloatArray:
-        """Largest |u_d| / n of the particles along each axis [m/s]."""
+    def max_pore_speed(self) -> list[float]:
+        """Largest |u_d| / n of the particles along each axis [m/s]; NaN where one is."""
         p = self.particles
-        return np.asarray(_core.max_speed(p.velocity, p.volume, self.bulk))
+        return _core.max_speed(p.velocity, p.volume, self.bulk)

@@ -23,10 +23,7 @@ MOST_SHIFT = 0.1  # cells a correction may move a particle
 def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
     p, work = flow.particles, flow.work
-    cell = work.spare.ravel().view(np.int32)[: len(p)]  # only until the rows are moved
-    _core.cell_sort(flow.grid.core, p.position, cell, work.order, flow.start)
-    for rows in (p.position, p.velocity, p.volume):
-        _core.reorder(work.order, rows, work.spare.ravel()[: rows.size])
+    _core.sort_particles(flow.grid.core, p.position, p.velocity, p.volume, work.spare, work.order, flow.start)
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[work.order]
     flow.sample_medium()
@@ -62,15 +59,16 @@ def find_surface(flow: Flow) -> None:
     Valid for particles moved by up to two cells since they were sorted.
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
-    open_cells = flow.medium.listed("open_cells")
     volume = flow.particles.volume
     _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity)
     _core.column_heights(core, flow.start, position, volume, flow.height, flow.walls)
-    np.divide(flow.height, flow.column_porosity, out=flow.level)
-    _core.column_levels(core, flow.fill, flow.inverse_capacity, mixed.column, mixed.start, mixed.pieces, flow.level)
+    _core.column_levels(
+        core, flow.height, flow.column_porosity, flow.fill, flow.inverse_capacity,
+        mixed.column, mixed.start, mixed.pieces, flow.level,
+    )  # fmt: skip
     _core.find_surface(
-        core, flow.fill, open_cells, flow.level, flow.columns, flow.depth, flow.active, flow.column,
-        flow.eta,
+        core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.columns,
+        flow.depth, flow.active, flow.column, flow.eta,
     )  # fmt: skip
     for paddle in flow.paddles:
         paddle.shut()
@@ -88,8 +86,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
         core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
         flow.listed("porosity"), flow.no_slip, flow.extra,
     )  # fmt: skip
-    parts = zip(flow.work.face_mass, flow.velocity, flow.extra, strict=True)
-    ledger.viscous_work -= dt * sum(_core.face_power(*part) for part in parts)
+    ledger.viscous_work -= dt * _core.face_power(core, flow.work.face_mass, flow.velocity, flow.extra)
 
 
 def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:

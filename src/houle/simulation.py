@@ -195,7 +195,7 @@ class Simulation:
 
     def _make_room(self) -> None:
         """More rows of cells before the water comes near to the uppermost."""
-        more = more_rows(self.flow.fill, self.grid.shape[-1]) - self.flow.fill.shape[-1]
+        more = more_rows(self.flow, self.grid.shape[-1]) - self.flow.grid.shape[-1]
         if more:
             state = self.state()
             self.restore({k: raised(v, more) if k.startswith(GRID_STATE) else v for k, v in state.items()})
@@ -237,7 +237,7 @@ class Simulation:
     def _check(self, largest: float) -> None:
         """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
         p = self.particles
-        if not (_core.all_finite(p.velocity) and _core.all_finite(p.position)):
+        if not (all(map(math.isfinite, self.flow.fastest)) and _core.all_finite(p.position)):
             raise SimulationError(
                 "the velocity is no longer a number", diagnosis="A particle velocity became infinite or not a number."
             )
@@ -283,7 +283,7 @@ class Simulation:
             "open_work": rho * ledger.open_work,
             "inflow": float(ledger.inflow),
             "outflow": float(ledger.outflow),
-            "max_speed": float(speed.max()),
+            "max_speed": max(speed),
             "courant": flow.crossed(speed) * self.step_size,
             "step_size": self.step_size,
             "particles": float(len(p)),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from itertools import accumulate
 
 import numpy as np
 
@@ -43,8 +44,10 @@ class Workspace:
 
     def _stored(self, *shapes: tuple[int, ...]) -> list[FloatArray]:
         """Arrays of these shapes, one after the other in the store."""
-        ends = np.cumsum([0, *map(math.prod, shapes)])
-        return [self.store[i:j].reshape(shape) for i, j, shape in zip(ends, ends[1:], shapes, strict=False)]
+        ends = accumulate(map(math.prod, shapes))
+        return [
+            self.store[end - math.prod(shape) : end].reshape(shape) for end, shape in zip(ends, shapes, strict=True)
+        ]
 
     @cached_property
     def spare(self) -> FloatArray:

@@ -46,7 +46,10 @@ def levels_of(grid, medium, water):
     mixed, level = Capacity.of(grid, medium), np.full(grid.shape[:-1], np.nan)
     capacity = water_of(grid, seed(grid, medium, [Box((0.0,) * grid.dimension, grid.size)]))
     inverse = np.divide(1.0, capacity, out=grid.cells(), where=capacity > 1e-9 * grid.cell_volume)
-    _core.column_levels(grid.core, water * inverse, inverse, mixed.column, mixed.start, mixed.pieces, level)
+    height, porosity = np.full(level.shape, 0.3), np.full(level.shape, 0.4)  # of the uniform columns
+    pieces = (mixed.column, mixed.start, mixed.pieces)
+    _core.column_levels(grid.core, height, porosity, water * inverse, inverse, *pieces, level)
+    assert (np.delete(level, mixed.column) == 0.3 / 0.4).all()
     return level.ravel()[mixed.column]
 
 

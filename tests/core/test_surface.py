@@ -114,6 +114,12 @@ def test_volume_under_the_surface_is_the_volume_of_the_water(level, slope):
     assert np.isfinite(flow.column).all()
 
 
+@given(grids(), randoms, st.integers(-1, 9))
+def test_water_above_a_row_of_cells(grid, random, row):
+    fill = np.where(random.random(grid.shape) < 0.1, 1e-300, 0.0)
+    assert _core.water_above(grid.core, fill, row) == fill[..., max(row, 0) :].any()
+
+
 @settings(max_examples=40)
 @given(grids(), randoms)
 def test_column_heights_against_the_twin(grid, random):

@@ -162,14 +162,16 @@ def test_every_number_of_threads_sorts_alike(random, threads, nearly):
     assert np.array_equal(start, np.searchsorted(number[order], np.arange(len(start))))
 
 
-@given(randoms, st.integers(0, 50), st.sampled_from([(), (1,), (2,), (3,), (2, 2)]))
-def test_rows_are_brought_into_an_order(random, count, row):
-    rows, order = random.normal(size=(count, *row)), random.permutation(count).astype(np.int32)
-    expected, moved = rows[order], np.zeros_like(rows)
-    _core.permute(order, rows, moved)
-    assert np.array_equal(moved, expected)
-    _core.reorder(order, rows, np.empty_like(rows))
-    assert np.array_equal(rows, expected)
+@given(grids(), randoms, st.integers(0, 50))
+def test_all_of_the_particles_is_brought_into_the_order_of_their_cells(grid, random, count):
+    x, u = random.uniform(0.0, 1.0, (count, grid.dimension)) * grid.size, random.normal(size=(count, grid.dimension))
+    volume, sorted_x = random.random(count), in_order(grid, x)[0]
+    order, start = np.zeros(count, np.int32), np.zeros(np.prod(grid.shape) + 1, np.int32)
+    rows = [x.copy(), u.copy(), volume.copy()]
+    _core.sort_particles(grid.core, *rows, np.empty_like(x), order, start)
+    assert np.array_equal(rows[0], sorted_x)
+    for now, before in zip(rows, (x, u, volume), strict=True):
+        assert np.array_equal(now, before[order])
 
 
 # ---- what is conserved -----------------------------------------------------------------------------------------------

@@ -32,7 +32,7 @@ def tank(block, **numerics):
 def test_water_round_a_porous_block_does_not_move(block):
     """Half a second at solver tolerance 1e-12: what is left is the scheme."""
     sim = run(simulation(tank(BLOCKS[block])), 1000, until=0.5)
-    fastest, error = sim.flow.max_pore_speed().max(), np.abs(sim.flow.eta - LEVEL).max()
+    fastest, error = max(sim.flow.max_pore_speed()), np.abs(sim.flow.eta - LEVEL).max()
     print(f"{block}: max speed {fastest:.1e} m/s, level {error:.1e} m")
     assert fastest < 1e-9
     assert error < 1e-3 * 0.01
@@ -62,7 +62,7 @@ def test_at_rest_with_every_scheme_and_transfer(scheme, transfer):
     """Without the paper's remeshing, which raises the surface."""
     case = tank(BLOCKS["aligned"], scheme=scheme, transfer=transfer, remesh="conservative", remesh_every=5)
     sim = run(simulation(case), 12)
-    assert sim.flow.max_pore_speed().max() < 1e-9
+    assert max(sim.flow.max_pore_speed()) < 1e-9
 
 
 def test_hydrostatic_pressure_in_a_coarse_tank_in_three_dimensions():
@@ -85,5 +85,5 @@ def test_hydrostatic_pressure_in_a_coarse_tank_in_three_dimensions():
     run(sim, 15)
     depth = level - np.array([0.05, 0.2, 0.36, 0.1])
     np.testing.assert_allclose(sim.sample()["pressure"], 1000.0 * 9.81 * depth, rtol=5e-3)
-    assert sim.flow.max_pore_speed().max() < 1e-8
+    assert max(sim.flow.max_pore_speed()) < 1e-8
     np.testing.assert_allclose(sim.flow.eta, level, atol=1e-6)
