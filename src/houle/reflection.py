@@ -67,19 +67,11 @@ class Flume:
 def measure(run: Run) -> Reflection:
     """C_R, C_T, C_D of the run with their intervals and window. Raises analysis.AnalysisError."""
     case = run.case
-    asked, waves, flume = case.reflection, case.waves, Flume.of(case)
+    asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
     wave = wave_of(case)
-    if asked.window is None:
-        reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
-        reflector = flume.maker if reflector is not None and waves.piston is not None else reflector
-        place: dict[str, Any] = {
-            "maker": flume.maker, "structure": flume.front, "rear": flume.back, "absorbing": flume.quiet,
-            "reflector": reflector, "far_end": flume.wall if asked.behind and not flume.absorbed else None,
-            "ramp": waves.ramp_time() / wave.period,
-        }  # fmt: skip
-    else:
-        place = {"window": asked.window, "towards": flume.towards}
+    given = {"window": asked.window, "towards": Flume.of(case).towards}
+    place = limits(case, wave) if asked.window is None else given
     regular = waves.kind == "regular"
     levels = run.series.eta.sel(gauge=asked.gauges[0])
     return analysis.reflection(
@@ -95,6 +87,19 @@ def measure(run: Run) -> Reflection:
         gravity=case.fluid.gravity,
         **place,
     )
+
+
+def limits(case: Case, wave: Wave) -> dict[str, Any]:
+    """What bounds the window in which the gauges hold the incident wave and its reflection: for choose_window."""
+    asked, waves, flume = case.reflection, case.waves, Flume.of(case)
+    assert asked is not None and waves is not None
+    reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
+    reflector = flume.maker if reflector is not None and waves.piston is not None else reflector
+    return {
+        "maker": flume.maker, "structure": flume.front, "rear": flume.back, "absorbing": flume.quiet,
+        "reflector": reflector, "far_end": flume.wall if asked.behind and not flume.absorbed else None,
+        "ramp": waves.ramp_time() / wave.period,
+    }  # fmt: skip
 
 
 def theory(case: Case, height: float) -> Scatter | None:

@@ -115,6 +115,8 @@ def show(run: Run) -> None:
         print()
     for picture in run.pictures:
         print(f"picture  {picture}")
+    for film in sorted(run.directory.glob("*.mp4")):
+        print(f"film     {film}")
 
 
 def as_html(run: Run) -> str:

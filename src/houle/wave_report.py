@@ -10,6 +10,8 @@ from houle.case import Case
 from houle.case_errors import place
 from houle.layout import Finding, Section
 from houle.paddle_checks import law_of_piston
+from houle.reflection import limits
+from houle.tables.results import Reflection
 from houle.tables.tank import Sponge
 from houle.wave_checks import reach
 from houle.waves import dispersion
@@ -159,6 +161,8 @@ def steady(case: Case) -> Finding | None:
     wave, waves = case.wave, case.waves
     if wave is None or waves is None or waves.kind in ("solitary", "focused", "series"):
         return None
+    if case.reflection is not None:
+        return _measured(case, wave, case.reflection)
     flume = Flume.of(case, Section(case), wave)
     if not flume.gauges or (waves.source is not None and waves.source.side == "left"):
         return None
@@ -182,7 +186,32 @@ def steady(case: Case) -> Finding | None:
             minimum=fewest, gravity=wave.gravity,
         )  # fmt: skip
     except AnalysisError as error:
-        key = "time.end" if str(error).startswith("the record") else "domain.size"
-        cure = "with a [[sponge]] behind the source, or a piston that absorbs"
-        return Finding("warning", key, f": {str(error).replace('(absorbing=True)', cure)}")
+        return _no_window(error)
     return Finding("info", "gauges", f"can be taken apart from {window}")
+
+
+def _measured(case: Case, wave: Wave, asked: Reflection) -> Finding | None:
+    """The window of [reflection], as it is chosen at the end of the run."""
+    end, fewest = case.time.end, FEWEST if case.waves and case.waves.kind == "regular" else FEWEST_OF_A_SPECTRUM
+    if asked.window is not None:
+        low, high = asked.window
+        if min(high, end) - low >= 2 * wave.period:
+            return None
+        text = f"= [{low:g}, {high:g}] s holds less than 2 periods of {wave.period:.3g} s before time.end = {end:g} s"
+        return Finding("warning", "reflection.window", text)
+    places = {gauge.name: gauge.x for gauge in case.gauge}
+    gauges = [places[name] for name in (*asked.gauges, *asked.behind)]
+    try:
+        window = choose_window(
+            2 * pi / wave.period, wave.depth, gauges=gauges, until=end, minimum=fewest, gravity=wave.gravity,
+            **limits(case, wave),
+        )  # fmt: skip
+    except AnalysisError as error:
+        return _no_window(error)
+    return Finding("info", "reflection", f"is measured from {window}")
+
+
+def _no_window(error: AnalysisError) -> Finding:
+    key = "time.end" if str(error).startswith("the record") else "domain.size"
+    cure = "with a [[sponge]] behind the source, or a piston that absorbs"
+    return Finding("warning", key, f": {str(error).replace('(absorbing=True)', cure)}")

@@ -1,10 +1,11 @@
 """C_R at the end of a run: what [reflection] measures, says and keeps; the card of the empty flume."""
 
 import json
+import re
 
 import pytest
 
-from houle import reflection, twin
+from houle import reflection, twin, wave_report
 from houle.case import load
 from houle.errors import CaseError
 from houle.progress import Silent
@@ -41,6 +42,12 @@ def test_wrong_tables_are_refused(change, words):
         load("wave-block", change)
 
 
+def test_a_window_after_the_end_is_warned_of():
+    told = wave_report.steady(load("wave-block", {"reflection.window": [19.0, 30.0]}))
+    assert told.level == "warning" and told.key == "reflection.window" and "time.end = 20.4 s" in told.text
+    assert wave_report.steady(load("wave-block", {"reflection.window": [14.0, 30.0]})) is None
+
+
 def test_twin_has_no_block_and_is_shared_by_all_blocks():
     one = twin.twin_of(load("wave-block"))
     other = twin.twin_of(load("wave-block", {"porous.block.porosity": 0.6, "time.end": 15.0}))
@@ -65,6 +72,9 @@ def test_a_run_says_its_reflection_or_why_there_is_none(tmp_path):
     change = {"domain.spacing": 0.05, "time.end": 1.0, "reflection.twin": False}
     run = houle.run(load("wave-block", change), out=tmp_path / "short", threads=1)
     assert "too short" in run.summary["reflection"]["problem"]
+    said_before = wave_report.steady(run.case)
+    steady = re.compile(r"the gauges are steady at ([\d.]+) s")
+    assert steady.search(said_before.text)[1] == steady.search(run.summary["reflection"]["problem"])[1]
     assert reflection.rows(run.summary["reflection"])[0][0] == "none"
     change |= {"time.end": 6.0, "reflection.window": [3.0, 6.0]}
     run = houle.run(load("wave-block", change), out=tmp_path / "longer", threads=1)
