@@ -57,7 +57,7 @@ def test_new_writes_a_flume_with_waves_that_checks_without_a_finding(here):
     assert case.case.name == "sea" and case.waves is not None and require(case) == []
     status, words = houle_says("check", "sea.toml")
     assert status == 0 and "warning" not in words
-    for said in ("gauges can be taken apart from", "fenton", "kh = 0.942", "0.3 % of the waves come back"):
+    for said in ("reflection is measured from", "fenton", "kh = 0.942", "0.3 % of the waves come back"):
         assert said in " ".join(words.split()), said
 
 
