@@ -9,6 +9,8 @@ from __future__ import annotations
 import atexit
 import functools
 import gc
+import io
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
@@ -220,5 +222,7 @@ def _changes(overrides: list[str] | None) -> dict[str, Any]:
 def main() -> None:
     """Entry point of the command `houle`."""
     gc.set_threshold(250_000)  # what is imported stays: looking through it for garbage over and over costs 0.4 s a run
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a letter that a terminal or log does not know is no failure
     atexit.register(gc.freeze)  # and at the end, when all is given back anyway, another 0.3 s
     app(prog_name="houle")

@@ -2,9 +2,11 @@
 
 import errno
 import json
+import os
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 from typing import get_args
 
 import jsonschema
@@ -278,3 +280,16 @@ def test_a_process_ends_without_a_word():
     script = [sys.executable, "-c", textwrap.dedent(ENDING)]
     done = subprocess.run(script, capture_output=True, text=True, encoding="utf-8")
     assert done.returncode == 0 and done.stdout and done.stderr == ""
+
+
+def test_a_title_that_the_terminal_cannot_write_is_no_failure(here):
+    assert houle_says("new", "quay")[0] == 0
+    text = Path("quay.toml").read_text(encoding="utf-8")
+    title = next(line for line in text.splitlines() if line.startswith("title"))
+    Path("quay.toml").write_text(text.replace(title, 'title = "jetée η"'), encoding="utf-8")
+    ended = subprocess.run(
+        [sys.executable, "-m", "houle", "check", "quay.toml"],
+        env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0 and "jet?e ?" in ended.stdout, ended.stderr
