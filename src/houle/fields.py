@@ -62,7 +62,14 @@ FIELDS: tuple[Field, ...] = (
         vector=True,
     ),
     Field("volume", "V", "m3", "particle", "water volume, constant between remeshings", unit_2d="m2"),
-    Field("porosity", "n", "1", "particle", "pore volume over total volume at the particle, 1 in clear water"),
+    Field(
+        "porosity",
+        "n",
+        "1",
+        "particle",
+        "pore volume over total volume that the particle moves with, 1 in clear water; fitted to what the cells hold, so "
+        "within two of a face it differs from that of the body by up to a quarter of the step, and may be above 1",
+    ),
     Field("pressure", "p", "Pa", "particle", "pressure above the air, interpolated from the grid"),
     # faces and centres of the grid
     Field(
