@@ -67,7 +67,7 @@ FIELDS: tuple[Field, ...] = (
         "n",
         "1",
         "particle",
-        "pore volume over total volume that the particle moves with, 1 in clear water; fitted to what the cells hold, so "
+        "pore volume over total volume that the particle moves with, 1 in clear water; fitted to what cells hold, so "
         "within two of a face it differs from that of the body by up to a quarter of the step, and may be above 1",
     ),
     Field("pressure", "p", "Pa", "particle", "pressure above the air, interpolated from the grid"),
