@@ -1,8 +1,8 @@
 // Moving the particles: with the pore velocity u_d / n, along the correction, and never through walls, gates or solids.
 #pragma once
 
-#include "cells.hpp"
 #include "solids.hpp"
+#include "surface.hpp"
 
 namespace houle {
 

@@ -1,9 +1,9 @@
-// Bindings of surface.hpp, held.hpp, cells.hpp and advect.hpp: surface, forces, projection, extrapolation, moving
-// particles.
+// Bindings of surface, forces, projection, extrapolation, moving particles and sums.
 #include "advect.hpp"
 #include "bind.hpp"
 #include "energy.hpp"
 #include "held.hpp"
+#include "projection.hpp"
 #include "viscous.hpp"
 
 namespace houle {
@@ -108,8 +108,7 @@ static void bind(nb::module_& m) {
       "Level to which their water fills the pores of the columns [m].");
   m.def(
       "find_surface",
-      [](G g, Field fill, ListedField open, Field level, bool columns, Field depth, Mask active, Field column,
-         Field eta) {
+      [](G g, Field fill, ListedField open, Field level, Field depth, Mask active, Field column, Field eta) {
         require_cells(g, fill.size(), "fill");
         const Listed o = listed_of(g, open, "open");
         require_cells(g, depth.size(), "depth");
@@ -118,10 +117,9 @@ static void bind(nb::module_& m) {
         require_columns(g, level.size(), "level");
         require_columns(g, eta.size(), "eta");
         nb::gil_scoped_release release;
-        find_surface<D>(g, fill.data(), o, level.data(), columns, depth.data(), active.data(), column.data(),
-                        eta.data());
+        find_surface<D>(g, fill.data(), o, level.data(), depth.data(), active.data(), column.data(), eta.data());
       },
-      "grid"_a, "fill"_a, "open"_a, "level"_a, "columns"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
+      "grid"_a, "fill"_a, "open"_a, "level"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   m.def(
       "water_above",
@@ -208,16 +206,6 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "step"_a, "pressure"_a, "least"_a, "u"_a, "valid"_a,
       "still"_a = false, "Takes the pressure gradient off the faces of the water, in place; still: u was 0.");
-  m.def(
-      "max_divergence",
-      [](G g, Mask active, FloatFaceFields open, FaceFields u) {
-        require_cells(g, active.size(), "active");
-        const auto o = ConstFaces<D, float>(faces_of(g, open, "open"));
-        const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
-        nb::gil_scoped_release release;
-        return max_divergence<D>(g, active.data(), o, uu);
-      },
-      "grid"_a, "active"_a, "open"_a, "u"_a);
   m.def(
       "extrapolate",
       [](G g, int layers, int near, FaceFields mass, double keep_mass, FaceFields u, std::vector<Mask> known) {

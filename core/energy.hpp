@@ -1,7 +1,7 @@
 // Sums for the ledger: kinetic and potential energy, momentum, volume. Block-wise, so the same for any threads.
 #pragma once
 
-#include "cells.hpp"
+#include "forces.hpp"
 
 namespace houle {
 

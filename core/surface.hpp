@@ -59,8 +59,8 @@ inline void column_heights(const Grid<D>& g, const std::int32_t* start, const do
 // open (cells): 0 marks cells closed by solids. column, eta (grid.shape[:-1]): work space; level of the surface above
 // z = 0 [m], NaN where dry.
 template <int D>
-inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level,
-                         bool use_columns, double* depth, std::uint8_t* active, double* column, double* eta) {
+inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level, double* depth,
+                         std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
   // ground: closed cells at the bottom of a column
@@ -82,8 +82,8 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
         bool single = top > 0 || (F[0] > 0.0 && (nz < 3 || F[2] < 1e-3));
         for (index j = bed; j < nz && single; ++j)
           single = o[j] >= 1.0 && (j + 2 < top ? F[j] > 0.8 : (j > top + 1 ? F[j] < 1e-3 : true));
-        column[c] = single && use_columns ? std::max(level[c] / hz, static_cast<double>(ground(c)))
-                                          : std::numeric_limits<double>::quiet_NaN();
+        column[c] =
+            single ? std::max(level[c] / hz, static_cast<double>(ground(c))) : std::numeric_limits<double>::quiet_NaN();
       },
       64);
   std::array<index, D> shape = g.shape;

@@ -1,7 +1,7 @@
 // Viscous acceleration on the faces of the grid, with an optional Smagorinsky eddy viscosity.
 #pragma once
 
-#include "cells.hpp"
+#include "grid.hpp"
 
 namespace houle {
 

@@ -94,7 +94,7 @@ def beside(grid, axis, i):
 
 
 def apply_forces(grid, u, inertia, darcy, forchheimer, inverse_n2, gravity, extra, dt):
-    """(star, drag, mobility, resisted): the exponential Rosenbrock-Euler step of core/cells.hpp, face by face."""
+    """(star, drag, mobility, resisted): the exponential Rosenbrock-Euler step of core/forces.hpp, face by face."""
     d = grid.dimension
     star, drag, mobility, resisted = grid.faces(), grid.faces(), grid.faces(), grid.faces()
     for a in range(d):

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from houle.flow import Flow
 from houle.grid import FloatArray
-from houle.ledger import Ledger
 from houle.operations import sort
 from houle.particles import Particles
 from houle.sides import THIN, OpenSide
@@ -28,7 +27,7 @@ SPARE = 1e-3  # by which a particle may be overfull: water that hardly moves mak
 EDGE = 1e-6  # cells from the side: a particle that the side has stopped
 
 
-def exchange(flow: Flow, transfer: Transfer, dt: float, ledger: Ledger) -> None:
+def exchange(flow: Flow, transfer: Transfer, dt: float) -> None:
     """Lets water in and takes water out for a step of dt [s], after the particles have moved."""
     if not flow.sides:
         return

@@ -48,13 +48,11 @@ class Flow:
         viscosity: float = 0.0,
         smagorinsky: float = 0.0,
         no_slip: tuple[tuple[bool, bool], ...] | None = None,
-        columns: bool = True,
     ) -> None:
         self.grid, self.medium, self.particles = grid, medium, particles
         self.gravity = tuple(float(g) for g in gravity)
         self.kernel = kernel
         self.tolerance = tolerance  # max |div u_d| dt left by the projection
-        self.columns = columns  # place the surface by column volumes where it is single-valued
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.porous = bool(np.any(medium.porosity < 1.0))

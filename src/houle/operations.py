@@ -67,8 +67,8 @@ def find_surface(flow: Flow) -> None:
         mixed.column, mixed.start, mixed.pieces, flow.level,
     )  # fmt: skip
     _core.find_surface(
-        core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.columns,
-        flow.depth, flow.active, flow.column, flow.eta,
+        core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.depth, flow.active, flow.column,
+        flow.eta,
     )  # fmt: skip
     for paddle in flow.paddles:
         paddle.shut()
@@ -232,16 +232,13 @@ def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatAr
     _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.outline, flow.gates, dt, position, flow.walls)
 
 
-def rate(courant: float) -> float:
-    """Disorder is made by moving, so a step that moves little corrects little."""
-    return min(1.0, courant / FULL_CORRECTION)
-
-
-def correct_positions(flow: Flow, share: float, ledger: Ledger) -> None:
+def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) -> None:
     """Moves particles from overfull to underfull cells: a second projection, of positions (Kugelstadt et al. 2019).
 
-    share: of the excess that is spread [-]. The velocity is left as it is.
+    correction: share of the excess that is spread [-], less in short steps: disorder is made by moving. The velocity is
+    left as it is.
     """
+    share = correction * min(1.0, flow.courant(dt) / FULL_CORRECTION)
     if share == 0.0:
         return
     g, m, work = flow.grid, flow.medium, flow.work

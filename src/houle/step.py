@@ -23,7 +23,6 @@ from houle.operations import (
     move,
     move_paddles,
     project,
-    rate,
     sort,
     sph_viscosity,
     viscosity,
@@ -64,9 +63,9 @@ class Step:
             move_paddles(flow)
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("exchange"):
-            exchange(flow, self.transfer, dt, ledger)  # water that comes in and goes out
+            exchange(flow, self.transfer, dt)  # water that comes in and goes out
         with ledger.operation("correction"):
-            correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)  # (14) kept at 1, on the grid
+            correct_positions(flow, self.correction, dt, ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer, dt)  # (6), (7)
         with ledger.clock("surface"):
@@ -112,9 +111,9 @@ class PaperStep:
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
             drift(flow, start, mean, None, dt)  # (17): r + dt (u + u')/2 / n
         with ledger.operation("exchange"):
-            exchange(flow, self.transfer, dt, ledger)
+            exchange(flow, self.transfer, dt)
         with ledger.operation("correction"):
-            correct_positions(flow, self.correction * rate(flow.courant(dt)), ledger)
+            correct_positions(flow, self.correction, dt, ledger)
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer, dt)
         with ledger.clock("surface"):

@@ -232,8 +232,6 @@ def test_pressure_system_and_projection_against_the_twin(grid, random):
     for a in range(grid.dimension):
         np.testing.assert_allclose(u[a], expected[0][a], rtol=1e-12, atol=1e-12)
         assert np.array_equal(known[a], expected[1][a])
-    largest = np.abs(reference.divergence(grid, domain.open, u))[domain.active > 0].max(initial=0.0)
-    assert _core.max_divergence(grid.core, domain.active, domain.open, u) == pytest.approx(largest, rel=1e-12)
 
 
 @settings(max_examples=40)
@@ -250,7 +248,8 @@ def test_no_water_is_made_or_lost_after_the_projection(grid, random, water):
     assert iterations >= 0 and residual <= tolerance
     u, _ = domain.project(p)
     scale = max(np.abs(v).max() for v in u)
-    assert _core.max_divergence(grid.core, domain.active, domain.open, u) <= tolerance + 1e-13 * scale
+    divergence = reference.divergence(grid, domain.open, u)[domain.active > 0]
+    assert np.abs(divergence).max(initial=0.0) <= tolerance + 1e-13 * scale
 
 
 @given(st.floats(0.06, 0.999), st.floats(0.5, 20.0))

@@ -28,13 +28,13 @@ def below(level, d=2):
     return Box((-np.inf,) * d, (*[np.inf] * (d - 1), level))
 
 
-def find(grid, fill, height=None, columns=True, open_cells=None):
-    """(depth, active, column, eta) from given fills and column heights [m]."""
+def find(grid, fill, height=None, open_cells=None):
+    """(depth, active, column, eta) from given fills and column heights [m]; without heights no column has a level."""
     depth, active = grid.cells(), np.zeros(grid.shape, np.uint8)
     column, eta = np.zeros(grid.shape[:-1]), np.zeros(grid.shape[:-1])
-    height = np.zeros(grid.shape[:-1]) if height is None else height
+    height = np.full(grid.shape[:-1], np.nan) if height is None else height
     open_cells = grid.cells(1.0) if open_cells is None else open_cells
-    _core.find_surface(grid.core, fill, numbered(open_cells), height, columns, depth, active, column, eta)
+    _core.find_surface(grid.core, fill, numbered(open_cells), height, depth, active, column, eta)
     return depth, active, column, eta
 
 
@@ -62,7 +62,7 @@ def fills(grid, level):
 def test_flat_surface_is_exact_from_the_fill_of_the_cells(level):
     """The depth inverts the tent-smoothed fill: without columns, at any level the surface is where the water ends."""
     grid = Grid(FLAT, (0.7, 0.3), (False, False))
-    depth, active, _, eta = find(grid, fills(grid, level), columns=False)
+    depth, active, _, eta = find(grid, fills(grid, level))
     np.testing.assert_allclose(eta, 0.3 * level, rtol=0, atol=1e-7)  # sqrt(2(1-F)) magnifies round-off near F = 1
     under = level - (np.arange(8) + 0.5)
     np.testing.assert_allclose(depth[2], np.clip(under, -1.0, 1.0), rtol=0, atol=1e-7)
@@ -161,9 +161,9 @@ def test_trapped_air_of_two_cells_is_looked_through_and_a_drop_high_above_is_not
     fill = grid.cells()
     fill[0, :8] = 1.0
     fill[0, 3:5] = 0.0
-    assert find(grid, fill, columns=False)[3][0] == pytest.approx(4.0)
+    assert find(grid, fill)[3][0] == pytest.approx(4.0)
     fill[0, 3:6] = 0.0
-    assert find(grid, fill, columns=False)[3][0] == pytest.approx(1.5)
+    assert find(grid, fill)[3][0] == pytest.approx(1.5)
 
 
 def test_solid_cells_hold_no_pressure_and_ground_raises_the_level():
