@@ -131,15 +131,22 @@ inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u
   return farthest;
 }
 
+// What a flat surface leaves empty of the tent of a cell with water across all of its faces, at most: where it runs
+// through the centres of those on one side.
+template <int D>
+constexpr double corner = D == 2 ? 1.0 / 24.0 : 29.0 / 360.0;
+
 // The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
 // -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a column whose surface eta is its
 // level (column, in cells) the cells that it cuts have none: their level is that of the column's volume, and to chase
 // the fill of single surface cells stirs the surface (docs/decisions/0001). Elsewhere, where depth says no more than
-// the fill, only an excess counts next to air: a deficit is the surface. Returns the largest.
+// the fill, a deficit next to air is the surface; but a cell with air at an edge or a corner only that lacks the place
+// of a particle has a hole, which is filled to what a flat surface leaves. Returns the largest.
 template <int D>
 inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
                              const double* eta, const double* fill, const Listed& open, const Listed& porosity,
                              double omega, double* rhs) {
+  constexpr double place = 1.0 / (1 << D);  // of a particle in a cell
   return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return 0.0;
@@ -148,7 +155,7 @@ inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const
     if (eta[col] == column[col] * g.h[D - 1]) {
       excess = depth[c] >= 1.0 ? excess : 0.0;
     } else if (excess < 0.0 && !without_air(g, active, open, c)) {
-      excess = 0.0;
+      excess = excess > -place || air_beside(g, active, open, c) ? 0.0 : excess + corner<D>;
     }
     excess = excess > 0.25 ? 0.25 : (excess < -0.25 ? -0.25 : excess);
     rhs[c] = omega * (porosity ? porosity[c] : 1.0) * excess;

@@ -91,7 +91,8 @@ REMESHING: Rows = {
 OTHERS: Rows = {
     "correction": (
         "Second pressure solve that moves particles towards the volume of their cells; the share of the error removed "
-        "by a step in which the fastest particle crosses a quarter of a cell or more, less in shorter ones; 0 = off.",
+        "by a step in which the fastest particle crosses a quarter of a cell, less by shorter ones, more by longer; "
+        "0 = off.",
         "Kugelstadt, Longva, Thuerey & Bender (2019), IEEE Trans. Vis. Comput. Graph.",
     ),
     "tolerance": ("Largest relative volume change max |div u_d| dt that the pressure solve may leave.", "-"),

@@ -16,7 +16,7 @@ from houle.waves.makers import Maker
 
 LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
 LEAST_DEPTH_CORRECTION = 0.2
-FULL_CORRECTION = 0.25  # Courant number of a step from which on the whole share of the correction is applied
+FULL_CORRECTION = 0.25  # Courant number of a step to which the share of the correction is applied
 MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 
@@ -232,13 +232,21 @@ def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatAr
     _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.outline, flow.gates, dt, position, flow.walls)
 
 
+def portion(correction: float, courant: float) -> float:
+    """Of the excess, what a step spreads. Disorder is made by moving: a step that moves little corrects little, one of
+    several quarters of a cell as much as that many steps.
+    """
+    quarters = courant / FULL_CORRECTION
+    return min(correction * quarters, 1.0 - (1.0 - correction) ** quarters)
+
+
 def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) -> None:
     """Moves particles from overfull to underfull cells: a second projection, of positions (Kugelstadt et al. 2019).
 
-    correction: share of the excess that is spread [-], less in short steps: disorder is made by moving. The velocity is
-    left as it is.
+    correction: share of the excess that is spread when the fastest particle crosses a quarter of a cell [-]. The
+    velocity is left as it is.
     """
-    share = correction * min(1.0, flow.courant(dt) / FULL_CORRECTION)
+    share = portion(correction, flow.courant(dt))
     if share == 0.0:
         return
     g, m, work = flow.grid, flow.medium, flow.work

@@ -14,7 +14,7 @@ from houle import _core
 from houle.flow import Flow
 from houle.geometry import Box, Polygon
 from houle.grid import Grid
-from houle.operations import find_surface, sort
+from houle.operations import find_surface, portion, sort
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
 from houle.seeding import seed
@@ -219,3 +219,45 @@ def test_the_correction_spreads_deficit_and_excess_alike_under_gentle_and_steep_
     assert rhs[1, 2] == pytest.approx(0.5 * excess) and largest == pytest.approx(0.05)
     rhs[1, 2] = 0.0
     assert not rhs.any()
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_correction_fills_holes_that_no_flat_surface_leaves(d):
+    """Air that a cell touches at an edge or a corner only: no more than 1/24 (2D) or 29/360 (3D) of its tent can be
+    above a flat surface. What lacks the place of a particle is filled to that. Across a face a deficit is the surface.
+    """
+    corner = {2: 1 / 24, 3: 29 / 360}[d]
+    t = (np.arange(60) + 0.5) / 30 - 1.0
+    tent = (1.0 - np.abs(t)) / 30
+    at = np.stack(np.meshgrid(*[t] * d, indexing="ij"), axis=-1)
+    weight = np.prod(np.stack(np.meshgrid(*[tent] * d, indexing="ij")), axis=0)
+    normals = np.vstack([np.eye(d), np.ones(d), np.random.default_rng(1).random((30, d))])
+    above = [weight[at @ n > n.max()].sum() for n in normals]
+    assert max(above) == pytest.approx(corner, rel=0.1) and max(above) == above[d]
+
+    grid = Grid((5,) * d, (1.0,) * d, (False,) * d)
+    active, fill, rhs = np.ones(grid.shape, np.uint8), grid.cells(1.0), grid.cells()
+    none = np.full(grid.shape[:-1], np.nan)
+    active[(3,) * d] = 0
+    middle, beside = (2,) * d, (2, *(3,) * (d - 1))
+    place = 0.5**d
+    for cell, missing, right in (
+        (middle, 1.1 * place, 1.1 * place - corner),
+        (middle, 0.9 * place, 0.0),
+        (beside, 0.4, 0.0),
+    ):
+        fill[...] = 1.0
+        fill[cell] -= missing
+        _core.density_excess(
+            grid.core, active, grid.cells(), none, none, fill, numbered(grid.cells(1.0)), None, 0.5, rhs
+        )
+        assert rhs[cell] == pytest.approx(-0.5 * right, abs=1e-15)
+        rhs[cell] = 0.0
+        assert not rhs.any()
+
+
+def test_a_step_corrects_as_much_as_its_quarters_of_a_cell():
+    assert portion(0.5, 0.05) == pytest.approx(0.1) and portion(0.5, 0.25) == pytest.approx(0.5)
+    for quarters in (2, 3):
+        assert 1.0 - portion(0.3, 0.25 * quarters) == pytest.approx((1.0 - portion(0.3, 0.25)) ** quarters)
+    assert portion(0.0, 0.5) == 0.0 and portion(1.0, 0.5) == 1.0
