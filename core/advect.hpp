@@ -146,7 +146,6 @@ template <int D>
 inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
                              const double* eta, const double* fill, const Listed& open, const Listed& porosity,
                              double omega, double* rhs) {
-  constexpr double place = 1.0 / (1 << D);  // of a particle in a cell
   return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return 0.0;
@@ -155,7 +154,7 @@ inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const
     if (eta[col] == column[col] * g.h[D - 1]) {
       excess = depth[c] >= 1.0 ? excess : 0.0;
     } else if (excess < 0.0 && !without_air(g, active, open, c)) {
-      excess = excess > -place || air_beside(g, active, open, c) ? 0.0 : excess + corner<D>;
+      excess = excess > -particle_place<D> || air_beside(g, active, open, c) ? 0.0 : excess + corner<D>;
     }
     excess = excess > 0.25 ? 0.25 : (excess < -0.25 ? -0.25 : excess);
     rhs[c] = omega * (porosity ? porosity[c] : 1.0) * excess;

@@ -11,14 +11,13 @@ namespace houle {
 template <int D>
 inline bool is_bubble(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const double* fill,
                       const double* inverse_capacity, index c) {
-  constexpr double place = 1.0 / (1 << D);  // of a particle in a cell
-  if (open[c] <= 0.0 || fill[c] >= 1.0 - place || !without_air(g, active, open, c)) return false;
+  if (open[c] <= 0.0 || fill[c] >= 1.0 - particle_place<D> || !without_air(g, active, open, c)) return false;
   double missing = 0.0;
   all_around(g, c, [&](index b) {
     if (inverse_capacity[b] > 0.0) missing += (1.0 - fill[b]) / inverse_capacity[b];
     return true;
   });
-  return missing * inverse_capacity[c] >= place;
+  return missing * inverse_capacity[c] >= particle_place<D>;
 }
 
 // Water [m^D] in the listed columns of cells: what stands in them by `height` (columns) [m] of column_heights, so that

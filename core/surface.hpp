@@ -174,6 +174,10 @@ inline bool without_air(const Grid<D>& g, const std::uint8_t* active, const List
   return all_around(g, c, [=](index n) { return active[n] || open[n] <= 0.0; });
 }
 
+// The place of a particle in a cell; a hole is what lacks that.
+template <int D>
+constexpr double particle_place = 1.0 / (1 << D);
+
 // Whether there is air across a face of a cell.
 template <int D>
 inline bool air_beside(const Grid<D>& g, const std::uint8_t* active, const Listed& open, index c) {

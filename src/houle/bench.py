@@ -104,18 +104,21 @@ def bench(threads: int | None = None, large: bool = False) -> list[list[Measured
             for count, those in runs.items():
                 with console.status(f"{job.title}: {count} thread{'s' if count > 1 else ''}"):
                     those.append(measure_apart(job, count))
-        show(job, list(runs.values()), console)
-        found.append([least(those) for those in runs.values()])
+        rows = [least(those) for those in runs.values()]
+        show(job, rows, [min((run.walls for run in those), key=sum) for those in runs.values()], console)
+        found.append(rows)
     if not large:
         console.print("A million particles in 2D and 3D: houle bench --large", highlight=False)
     return found
 
 
-def show(job: Job, runs: Sequence[Sequence[Measured]], console: Any) -> None:
-    """A table: microseconds per particle and step by operation, memory, bandwidth; a column per number of threads."""
+def show(job: Job, rows: Sequence[Measured], fastest: Sequence[Sequence[float]], console: Any) -> None:
+    """A table: microseconds per particle and step by operation, memory, bandwidth; a column per number of threads.
+
+    rows: the least of the runs; fastest: the seconds of every step in the fastest of them.
+    """
     from rich.table import Table
 
-    rows = [least(those) for those in runs]
     first = rows[0]
     title = f"{job.title}: {first.particles} particles, {first.cells} cells, {len(first.walls)} steps"
     table = Table(title=title, title_justify="left")
@@ -132,7 +135,7 @@ def show(job: Job, runs: Sequence[Sequence[Measured]], console: Any) -> None:
         compare(name, [row.operations[name] for row in rows])
     table.add_section()
     compare("a step", [row.walls for row in rows])
-    compare("in the fastest run", [min((run.walls for run in those), key=sum) for those in runs])
+    compare("in the fastest run", fastest)
     table.add_row("CPU time of a step", *(f"{row.microseconds(row.cpus):.3f}" for row in rows), "")
     table.add_row("steps per second", *(f"{row.steps_per_second:.3g}" for row in rows), "")
     for name, k in (("iterations, pressure", 0), ("iterations, correction", 1)):

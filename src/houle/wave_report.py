@@ -161,13 +161,13 @@ def steady(case: Case) -> Finding | None:
     wave, waves = case.wave, case.waves
     if wave is None or waves is None or waves.kind in ("solitary", "focused", "series"):
         return None
+    fewest, end = FEWEST if waves.kind == "regular" else FEWEST_OF_A_SPECTRUM, case.time.end
     if case.reflection is not None:
-        return _measured(case, wave, case.reflection)
+        return _measured(case, wave, case.reflection, fewest)
     flume = Flume.of(case, Section(case), wave)
     if not flume.gauges or (waves.source is not None and waves.source.side == "left"):
         return None
     face = flume.structure if flume.structure is not None else flume.right
-    fewest, end = FEWEST if waves.kind == "regular" else FEWEST_OF_A_SPECTRUM, case.time.end
     ramp = waves.ramp_time() / wave.period
     if face is None or face <= flume.gauges[0]:  # nothing in front of the gauges sends waves back
         start = (flume.gauges[-1] - flume.maker) / wave.group_velocity + (ramp + SETTLE) * wave.period
@@ -190,9 +190,9 @@ def steady(case: Case) -> Finding | None:
     return Finding("info", "gauges", f"can be taken apart from {window}")
 
 
-def _measured(case: Case, wave: Wave, asked: Reflection) -> Finding | None:
+def _measured(case: Case, wave: Wave, asked: Reflection, fewest: int) -> Finding | None:
     """The window of [reflection], as it is chosen at the end of the run."""
-    end, fewest = case.time.end, FEWEST if case.waves and case.waves.kind == "regular" else FEWEST_OF_A_SPECTRUM
+    end = case.time.end
     if asked.window is not None:
         low, high = asked.window
         if min(high, end) - low >= 2 * wave.period:
