@@ -65,16 +65,19 @@ void Team::resize(int threads) {
   bell_.notify_all();
 }
 
+// The share is closed before its fields change: a thread that has read one of the new fields finds the count of its own
+// loop gone (release here, acquire in `take`) and claims nothing.
 index Team::post(int s, const Loop& loop, index begin, index end) {
-  constexpr auto relaxed = std::memory_order_relaxed;
+  constexpr auto release = std::memory_order_release;
   Share& share = share_[s];
-  share.run.store(loop.run, relaxed);
-  share.body.store(loop.body, relaxed);
-  share.begin.store(begin, relaxed);
-  share.end.store(end, relaxed);
-  share.chunk.store(loop.chunk, relaxed);
-  share.parts.store({static_cast<std::int16_t>(loop.shares), static_cast<std::int16_t>(loop.stages)}, relaxed);
-  share.next.store(Count{number_} << 32, std::memory_order_release);
+  share.next.store(Count{CLOSED} << 32, std::memory_order_relaxed);
+  share.run.store(loop.run, release);
+  share.body.store(loop.body, release);
+  share.begin.store(begin, release);
+  share.end.store(end, release);
+  share.chunk.store(loop.chunk, release);
+  share.parts.store({static_cast<std::int16_t>(loop.shares), static_cast<std::int16_t>(loop.stages)}, release);
+  share.next.store(Count{number_} << 32, release);
   return end > begin ? (end - begin + loop.chunk - 1) / loop.chunk : 0;
 }
 
@@ -85,21 +88,22 @@ void Team::wake() {
   bell_.notify_all();
 }
 
-// What is read of the share may belong to a later loop, but then the chunk is not given: its loop is over.
+// A chunk is claimed by counting it in the very word that `post` changes first. So whoever claims one has read the
+// fields of its loop: a field of a later loop is seen only after that word has changed, and then the exchange fails.
 index Team::take(int s, std::uint32_t number) {
-  constexpr auto relaxed = std::memory_order_relaxed;
+  constexpr auto acquire = std::memory_order_acquire;
   Share& share = share_[s];
   index taken = 0;
-  for (Count next = share.next.load(std::memory_order_acquire); next >> 32 == number;) {
-    const auto run = share.run.load(relaxed);
-    const void* body = share.body.load(relaxed);
-    const index chunk = share.chunk.load(relaxed), end = share.end.load(relaxed);
-    const index begin = share.begin.load(relaxed) + static_cast<index>(next & 0xffffffffu) * chunk;
+  for (Count next = share.next.load(acquire); next >> 32 == number;) {
+    const auto run = share.run.load(acquire);
+    const void* body = share.body.load(acquire);
+    const index chunk = share.chunk.load(acquire), end = share.end.load(acquire);
+    const index begin = share.begin.load(acquire) + static_cast<index>(next & 0xffffffffu) * chunk;
     if (begin >= end) break;
     if (!share.next.compare_exchange_strong(next, next + 1, std::memory_order_acq_rel)) continue;
     run(body, begin, std::min(begin + chunk, end));
     ++taken;
-    next = share.next.load(std::memory_order_acquire);
+    next = share.next.load(acquire);
   }
   return taken;
 }
@@ -130,7 +134,7 @@ void Team::work(int self) {
   auto since = Clock::now();
   for (unsigned looks = 1;; ++looks) {
     const auto number = static_cast<std::uint32_t>(share_[self].next.load(std::memory_order_acquire) >> 32);
-    if (number != last) {
+    if (number != last && number != CLOSED) {
       last = number;
       const Parts parts = share_[self].parts.load(std::memory_order_relaxed);
       Count done = 0;

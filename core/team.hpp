@@ -64,7 +64,7 @@ class Team {
   bool run(const Loop& loop, Bound bound) {
     std::unique_lock<std::mutex> mine(busy_, std::try_to_lock);
     if (!mine) return false;
-    ++number_;
+    if (++number_ == CLOSED) ++number_;
     const int all = loop.shares * loop.stages;
     index end = bound(all), chunks = 0;
     for (int s = all - 1; s >= 0; --s) {  // the first last: who has seen his finds those of the later stages
@@ -78,7 +78,8 @@ class Team {
   }
 
  private:
-  using Count = std::uint64_t;  // number of the loop, then of chunks in it
+  using Count = std::uint64_t;               // number of the loop, then of chunks in it
+  static constexpr std::uint32_t CLOSED = 0;  // the number of no loop: nothing can be claimed
 
   struct Parts {  // read at once: all of one loop
     std::int16_t shares = 1, stages = 1;
