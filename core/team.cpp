@@ -9,6 +9,11 @@
 #include <immintrin.h>
 #endif
 
+// Where a thread that loses its core does most harm; tests/stress makes it lose it there.
+#ifndef HOULE_PREEMPT
+#define HOULE_PREEMPT()
+#endif
+
 namespace houle {
 
 namespace {
@@ -76,6 +81,7 @@ index Team::post(int s, const Loop& loop, index begin, index end) {
   share.begin.store(begin, release);
   share.end.store(end, release);
   share.chunk.store(loop.chunk, release);
+  HOULE_PREEMPT();
   share.parts.store({static_cast<std::int16_t>(loop.shares), static_cast<std::int16_t>(loop.stages)}, release);
   share.next.store(Count{number_} << 32, release);
   return end > begin ? (end - begin + loop.chunk - 1) / loop.chunk : 0;
@@ -97,9 +103,11 @@ index Team::take(int s, std::uint32_t number) {
   for (Count next = share.next.load(acquire); next >> 32 == number;) {
     const auto run = share.run.load(acquire);
     const void* body = share.body.load(acquire);
+    HOULE_PREEMPT();
     const index chunk = share.chunk.load(acquire), end = share.end.load(acquire);
     const index begin = share.begin.load(acquire) + static_cast<index>(next & 0xffffffffu) * chunk;
     if (begin >= end) break;
+    HOULE_PREEMPT();
     if (!share.next.compare_exchange_strong(next, next + 1, std::memory_order_acq_rel)) continue;
     run(body, begin, std::min(begin + chunk, end));
     ++taken;
