@@ -78,7 +78,7 @@ class Team {
   }
 
  private:
-  using Count = std::uint64_t;               // number of the loop, then of chunks in it
+  using Count = std::uint64_t;                // number of the loop, then of chunks in it
   static constexpr std::uint32_t CLOSED = 0;  // the number of no loop: nothing can be claimed
 
   struct Parts {  // read at once: all of one loop
