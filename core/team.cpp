@@ -8,6 +8,9 @@
 #if defined(__x86_64__) || defined(_M_X64)
 #include <immintrin.h>
 #endif
+#if defined(__unix__) || defined(__APPLE__)
+#include <pthread.h>
+#endif
 
 // Where a thread that loses its core does most harm; tests/stress makes it lose it there.
 #ifndef HOULE_PREEMPT
@@ -56,6 +59,18 @@ Team& Team::shared() {
 Team::Team() {
   for (int i = 0; i <= places; ++i) tell(i, static_cast<double>(i) / places);
   resize(wanted_threads());
+#if defined(__unix__) || defined(__APPLE__)
+  pthread_atfork([] { shared().busy_.lock(); }, [] { shared().busy_.unlock(); }, [] { shared().orphan(); });
+#endif
+}
+
+// In the child of a fork, where no thread lives but the one that forked. It waited for the loop under way, so that all
+// is as between two loops; the others are started again when the child asks for them (resize).
+void Team::orphan() {
+  started_ = 1;
+  size_ = 1;
+  asleep_ = 0;
+  busy_.unlock();
 }
 
 void Team::resize(int threads) {

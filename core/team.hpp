@@ -108,6 +108,7 @@ class Team {
   std::atomic<int> bell_{0};
 
   Team();
+  void orphan();
   index post(int s, const Loop& loop, index begin, index end);  // returns the chunks of the share
   void wake();
   index take(int s, std::uint32_t number);  // chunks of share s, as long as there are any; returns how many

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -87,3 +92,51 @@ def test_a_gate_opens_at_the_same_time_after_a_restart():
     again.restore(copy_state(whole))
     assert differing(copy_state(run(whole, 5)), copy_state(run(again, 5))) == []
     assert np.any(whole.flow.open_faces[0] == 0.0)
+
+
+FORK = """
+    import os, sys, threading, time
+    sys.path[:0] = [{here!r}, {above!r}]
+    from situations import DAM_BREAK, run, simulation
+    from houle import _core
+
+    WIDE = {{**DAM_BREAK, "domain": {{"size": [0.4, 0.24], "spacing": 0.01}}}}
+    _core.set_threads(2)
+    other, busy = simulation(WIDE), threading.Event()
+
+    def compute():
+        while True:
+            other.advance(other.time + 1e-3)
+            busy.set()
+
+    threading.Thread(target=compute, daemon=True).start()
+    busy.wait()
+    for k in range(12):
+        child = os.fork()
+        if child == 0:
+            assert _core.get_threads() == 1
+            _core.set_threads(1 + k % 3)
+            run(simulation(WIDE), 3)
+            os._exit(0)
+        for _ in range(1500):
+            done, status = os.waitpid(child, os.WNOHANG)
+            if done:
+                break
+            time.sleep(0.01)
+        else:
+            os.kill(child, 9)
+            os.waitpid(child, 0)
+            print("child", k, "hangs")
+            continue
+        print("child", k, "ends with", status)
+    os._exit(0)
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+def test_a_child_forked_while_another_thread_computes_does_not_hang():
+    """It has none of the threads of its parent; it takes new ones if it asks for them."""
+    here = Path(__file__).parent
+    script = textwrap.dedent(FORK).format(here=str(here), above=str(here.parent))
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", script], capture_output=True, text=True)
+    assert done.stdout.splitlines() == [f"child {k} ends with 0" for k in range(12)], done.stderr
