@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from math import inf
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -105,6 +106,19 @@ class Case(Table):
     def wave(self) -> Wave | None:
         """The wave of [waves], None without. Raises WaveError, a CaseError, where theory has none."""
         return None if self.waves is None else make(self.waves, self.fluid.gravity, self.folder)
+
+    @property
+    def drag_period(self) -> float:
+        """Of the flow to and fro in porous bodies [s], for the laws of resistance that know it.
+
+        The period of regular waves, T_m-1,0 of sums of waves; infinite without waves, and for a single one. Raises
+        WaveError as `wave`.
+        """
+        wave = self.wave
+        parts = None if wave is None else wave.components()
+        if wave is None or parts is None:
+            return inf
+        return wave.period if self.waves is not None and self.waves.kind == "regular" else parts.energy_period
 
     @property
     def viscous_step(self) -> float:

@@ -68,6 +68,8 @@ def _passport(p: Passport) -> Table:
     table.add_row("source", escape(f"{p.source}; {p.status}" if p.status else p.source))
     table.add_row("material", f"n = {p.porosity:g}{grain}, C_r = {p.inertia:.4g}")
     table.add_row("drag per unit mass", f"a u_d + b |u_d| u_d with a = {p.a:.4g} 1/s, b = {p.b:.4g} 1/m")
+    if p.period is not None:
+        table.add_row("to and fro", _to_and_fro(p))
     table.add_row("the same as", f"K_p = nu/a = {p.permeability:.4g} m2, C_f = b sqrt(K_p) = {p.forchheimer:.4g}")
     table.add_row(f"at u_d = {REFERENCE_VELOCITY:g} m/s", f"drag = {p.reference_gradient:.3g} g")
     if p.velocity < inf:
@@ -78,6 +80,20 @@ def _passport(p: Passport) -> Table:
             f"length, at most 1); linear share of the drag {100 * p.linear_share:.0f} %{number}",
         )
     return table
+
+
+def _to_and_fro(p: Passport) -> str:
+    """What the Keulegan-Carpenter number does to the drag, at the expected velocity."""
+    if p.period == inf:
+        return "steady flow, KC infinite: no waves, or a single one; period = ... in resistance changes it"
+    assert p.period is not None and p.grain_diameter is not None
+    words = (
+        f"period {p.period:.4g} s: 7.5/KC with KC = |u_d| T/(n d50) where the water is, {p.oscillating:.4g} 1/s of a"
+    )
+    if p.velocity < inf:
+        kc = p.velocity * p.period / (p.porosity * p.grain_diameter)
+        words += f"; KC = {kc:.3g} at {p.velocity:.3g} m/s, b as large as {1 + 7.5 / kc:.3g} times the steady one"
+    return words
 
 
 def _price(case: Case, threads: int) -> str:

@@ -103,7 +103,8 @@ OTHERS: Rows = {
 
 
 RESISTANCE = """Drag per unit mass of water: a u_d + b |u_d| u_d, with the Darcy velocity u_d = n u. Every law has its
-own powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number.
+own powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number. A law with a
+period takes that of [waves] (T_m-1,0 of seas) unless the case gives period or kc: its share 7.5/KC is then linear.
 Or directly: resistance = {a = ..., b = ...}, or {permeability = ..., forchheimer = ...}; a = nu/K_p, b = C_f/sqrt(K_p).
 Inertia: C_r = 1 + added_mass (1-n)/n; 0.34: van Gent (1995)."""
 

@@ -47,9 +47,21 @@ class Price:
 
 def passports(case: Case) -> list[Passport]:
     """One per porous body, at the Darcy velocity of steady flow under the hydraulic gradient it may see."""
-    section = Section(case)
+    section, period = Section(case), case.drag_period
     drop = section.drop()
-    return [passport(b.entry, case.fluid, gradient=expected_gradient(section, b, drop)) for b in section.porous]
+    return [
+        passport(b.entry, case.fluid, gradient=expected_gradient(section, b, drop), period=period)
+        for b in section.porous
+    ]
+
+
+def drag_of(case: Case) -> list[dict[str, Any]]:
+    """What run.json says of every porous body: its law with the coefficients taken, and the drag they make."""
+    return [
+        {"name": p.name, "law": p.words, "a": p.a, "b": p.b, "inertia": p.inertia,
+         "period": p.period, "oscillating": p.oscillating}
+        for p in passports(case)
+    ]  # fmt: skip
 
 
 def expected_gradient(section: Section, body: Body, drop: float) -> float:

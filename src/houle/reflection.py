@@ -117,7 +117,7 @@ def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bo
     """Of an upright block, or one with other grains, for waves of this frequency [rad/s] and incident height [m]."""
     assert case.waves is not None
     low, high = shape_of(body, case.dimension).bounds
-    a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity)
+    a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity, case.drag_period)
     n, depth, width = body.porosity, case.waves.depth, float(high[0] - low[0])
     inertia = inertia_coefficient(n, body.added_mass)
     more: dict[str, Any] = {"inertia": inertia, "wall": wall, "gravity": case.fluid.gravity}

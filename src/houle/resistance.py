@@ -6,6 +6,10 @@ change the formula, the citation and the range, and add it to LAWS at the bottom
 the tests find it there. READ means that the formula was checked in the named source or in a code that implements it;
 RECALLED that it is written from memory of the literature and should be compared with the paper before it is trusted.
 
+In flow that goes to and fro b grows by (1 + 7.5/KC), KC = |u_d| T/(n d). With KC where the water is, that share of
+b |u_d| u_d is linear in u_d, and does not know the grain: 7.5 beta (1-n)/(n^2 T), a part of a. So a law needs the
+period and no iteration. A KC of the amplitude U instead, b 7.5 n d/(U T) |u_d| u_d, does 8/(3 pi) of its work.
+
 Comparison of the formulations: Dusterhoft-Wriggers, Larese, Onate & Rung (arXiv 2106.13267): the differences stay small
 for most applications, in particular for a porous Reynolds number u_d d50 / nu below 5000.
 """
@@ -24,19 +28,29 @@ Pair = tuple[float, float]
 REFERENCE_VELOCITY = 0.10  # Darcy velocity [m/s] at which the laws are compared
 
 
-def van_gent_1995(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf) -> Pair:
-    """a = alpha (1-n)^2/n^3 nu/d^2,  b = beta (1 + 7.5/KC) (1-n)/n^3 / d. KC = u T/(n d), infinite in steady flow."""
-    return alpha * (1 - n) ** 2 / n**3 * nu / d**2, beta * (1 + 7.5 / kc) * (1 - n) / n**3 / d
+def to_and_fro(n: float, beta: float, period: float) -> float:
+    """7.5 beta (1-n)/(n^2 T): what (1 + 7.5/KC) adds to a with KC = |u_d| T/(n d) where the water is [1/s]."""
+    return 7.5 * beta * (1 - n) / (n**2 * period)
+
+
+def van_gent_1995(
+    n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf
+) -> Pair:
+    """a = alpha (1-n)^2/n^3 nu/d^2,  b = beta (1 + 7.5/KC) (1-n)/n^3 / d. KC = u T/(n d), infinite in steady flow.
+
+    With the period T instead of kc: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T), b = beta (1-n)/n^3 / d.
+    """
+    a, b = alpha * (1 - n) ** 2 / n**3 * nu / d**2, beta * (1 + 7.5 / kc) * (1 - n) / n**3 / d
+    return a + to_and_fro(n, beta, period), b
 
 
 def liu_1999(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
-    """As van Gent with kc. With period T: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T), b = beta (1-n)/n^3/d.
+    """a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T),  b = beta (1-n)/n^3 / d, T = max(1 s, period).
 
-    That is KC = |u_d| T/(n d) where the water is: the share 7.5/KC of b |u_d| u_d is linear. T = max(1 s, period), 1 s
-    without waves. The authors' codes take KC as at 0.01 m/s where the water is slower; there this is the larger drag.
+    As van Gent with kc. The authors' codes take KC as at 0.01 m/s where the water is slower; there this is the larger
+    drag.
     """
-    a, b = van_gent_1995(n, d, nu, alpha, beta, kc)
-    return a + 7.5 * beta * (1 - n) / (n**2 * max(1.0, period)), b
+    return van_gent_1995(n, d, nu, alpha, beta, kc, max(1.0, period))
 
 
 def engelund_1953(n: float, d: float, nu: float, alpha: float, beta: float) -> Pair:
@@ -44,9 +58,13 @@ def engelund_1953(n: float, d: float, nu: float, alpha: float, beta: float) -> P
     return alpha * (1 - n) ** 3 / n**2 * nu / d**2, beta * (1 - n) / n**3 / d
 
 
-def olaflow(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf) -> Pair:
-    """a = alpha (1-n)^3/n^3 nu/d^2 (the cube is olaFlow's own),  b = beta (1 + 7.5/KC) (1-n)/n^3 / d."""
-    return alpha * (1 - n) ** 3 / n**3 * nu / d**2, beta * (1 + 7.5 / kc) * (1 - n) / n**3 / d
+def olaflow(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
+    """a = alpha (1-n)^3/n^3 nu/d^2 (the cube is olaFlow's own),  b = beta (1 + 7.5/KC) (1-n)/n^3 / d.
+
+    With the period T instead of kc: a grows by 7.5 beta (1-n)/(n^2 T), b is without KC.
+    """
+    a, b = alpha * (1 - n) ** 3 / n**3 * nu / d**2, beta * (1 + 7.5 / kc) * (1 - n) / n**3 / d
+    return a + to_and_fro(n, beta, period), b
 
 
 def ergun_1952(n: float, d: float, nu: float, alpha: float, beta: float) -> Pair:
@@ -95,14 +113,24 @@ class Law:
         """The formula as one line: the head of the function's docstring."""
         return (self.formula.__doc__ or "").strip().split("\n\n")[0]
 
+    @property
+    def knows_period(self) -> bool:
+        """Whether it resists more in flow that goes to and fro."""
+        return "period" in self.coefficients
+
+    def taken(self, **given: float) -> dict[str, float]:
+        """The coefficients: published, but for those given; a period that is given stands in the place of kc."""
+        known = {**self.coefficients, **given}
+        return {**known, "kc": inf} if known.get("period", inf) < inf and "kc" not in given else known
+
     def __call__(self, n: float, d: float, nu: float, **given: float) -> Pair:
-        return self.formula(n, d, nu, **{**self.coefficients, **given})
+        return self.formula(n, d, nu, **self.taken(**given))
 
 
 LAWS: dict[str, Law] = {
     "van-gent-1995": Law(
         van_gent_1995,
-        {"alpha": 1000.0, "beta": 1.1, "kc": inf},
+        {"alpha": 1000.0, "beta": 1.1, "kc": inf, "period": inf},
         "van Gent (1995), Wave interaction with permeable coastal structures, PhD thesis, TU Delft",
         "formula READ in waves2Foam vanGent1995.C; alpha, beta and the range RECALLED",
         porosity=(0.36, 0.50),
@@ -110,11 +138,12 @@ LAWS: dict[str, Law] = {
     ),
     "jensen-2014": Law(
         van_gent_1995,
-        {"alpha": 500.0, "beta": 2.0, "kc": 128.0},
+        {"alpha": 500.0, "beta": 2.0, "kc": 128.0, "period": inf},
         "Jensen, Jacobsen & Christensen (2014), Coastal Engineering 84; calibrated on Liu et al. (1999)",
         "READ in waves2Foam and the OpenFOAM tutorials; range: the calibration",
         porosity=(0.39, 0.53),
         diameter=(0.003, 0.0159),
+        note="kc = 128 is that of the dam break of the calibration: under waves the period stands in its place.",
     ),
     "liu-1999": Law(
         liu_1999,
@@ -123,8 +152,8 @@ LAWS: dict[str, Law] = {
         "READ in the MONGOOSE code of the COBRAS lineage; range: the experiment",
         porosity=(0.39, 0.49),
         diameter=(0.003, 0.0159),
-        note="The authors' codes take KC locally, max(|u_d|, 0.01 m/s) max(1 s, T)/(n d50): give period = T, 1 without "
-        "waves. Or one number for all: kc (0.1 m/s in the crushed rock is kc = 12.8). Neither: no KC term.",
+        note="The authors' codes take KC locally, max(|u_d|, 0.01 m/s) max(1 s, T)/(n d50), with T = 1 s in a dam "
+        "break: give period = 1 for that. Or one number for all: kc (0.1 m/s in the crushed rock is kc = 12.8).",
     ),
     "engelund-1953": Law(
         engelund_1953,
@@ -143,7 +172,7 @@ LAWS: dict[str, Law] = {
     ),
     "olaflow": Law(
         olaflow,
-        {"alpha": 50.0, "beta": 2.0, "kc": inf},
+        {"alpha": 50.0, "beta": 2.0, "kc": inf, "period": inf},
         "Higuera, Lara & Losada (2014), Coastal Engineering 83; olaFlow",
         "READ in olaFlow UEqn.H (note its cube of 1-n: coefficients of van Gent's form do not fit here)",
         note="olaFlow itself takes C_r = 1 + 0.34, without (1-n)/n: added_mass = 0.34 n/(1-n) gives the same.",
@@ -169,7 +198,9 @@ class Passport:
     status: str
     porosity: float
     grain_diameter: float | None  # [m]
+    period: float | None  # of the flow that goes to and fro [s]: inf in steady flow, None if kc or a and b are given
     a: float  # [1/s]
+    oscillating: float  # part of a that is 7.5/KC [1/s]
     b: float  # [1/m]
     permeability: float  # K_p = nu/a [m2]
     forchheimer: float  # C_f = b sqrt(K_p) [-]
@@ -182,18 +213,35 @@ class Passport:
     warnings: tuple[str, ...]
 
 
-def coefficients(resistance: Resistance, porosity: float, grain_diameter: float | None, viscosity: float) -> Pair:
-    """Canonical a [1/s], b [1/m] of a body as its case file gives it. A law needs the grain diameter [m]."""
+def coefficients(
+    resistance: Resistance,
+    porosity: float,
+    grain_diameter: float | None,
+    viscosity: float,
+    period: float = inf,
+) -> Pair:
+    """Canonical a [1/s], b [1/m] of a body as its case file gives it. A law needs the grain diameter [m].
+
+    period  of the waves [s], for the laws that know it, unless the file gives kc or a period itself; inf: steady flow
+    """
     r = resistance
     if r.law is not None:
         if grain_diameter is None:
             raise ValueError(f"the law {r.law} needs a grain diameter")
-        return LAWS[r.law](porosity, grain_diameter, viscosity, **r.given)
+        return LAWS[r.law](porosity, grain_diameter, viscosity, **_given(r, period))
     if r.permeability is not None and r.forchheimer is not None:
         return from_permeability(r.permeability, r.forchheimer, viscosity)
     if r.a is None or r.b is None:
         raise ValueError("resistance needs a law, or a and b, or permeability and forchheimer")
     return r.a, r.b
+
+
+def _given(r: Resistance, period: float) -> dict[str, float]:
+    """Coefficients of the law that the file states itself, and the period of the waves if it says nothing of it."""
+    stated = r.given
+    if r.law is None or not LAWS[r.law].knows_period or {"kc", "period"} & set(stated) or period == inf:
+        return stated
+    return {**stated, "period": period}
 
 
 def steady_velocity(a: float, b: float, gradient: float, gravity: float = 9.81) -> float:
@@ -204,19 +252,24 @@ def steady_velocity(a: float, b: float, gradient: float, gravity: float = 9.81) 
     return 2 * drive / (a + sqrt(a * a + 4 * b * drive))  # the stable root, also for b = 0
 
 
-def passport(body: Porous, fluid: Fluid, velocity: float | None = None, gradient: float = 1.0) -> Passport:
+def passport(
+    body: Porous, fluid: Fluid, velocity: float | None = None, gradient: float = 1.0, period: float = inf
+) -> Passport:
     """Everything `houle check` prints about a body.
 
     velocity  expected Darcy velocity [m/s]; without it the steady one under the hydraulic gradient [-] given.
+    period    of the waves [s], see `coefficients`
     """
     n, d, r = body.porosity, body.grain_diameter, body.resistance
-    a, b = coefficients(r, n, d, fluid.viscosity)
+    a, b = coefficients(r, n, d, fluid.viscosity, period)
     u = steady_velocity(a, b, gradient, fluid.gravity) if velocity is None else velocity
     drag = lambda v: (a + b * v) * v / fluid.gravity if fluid.gravity else inf  # noqa: E731
     permeability = fluid.viscosity / a if a else inf
     law = LAWS.get(r.law or "")
-    taken = {**law.coefficients, **r.given} if law else {}
-    values = ", ".join(f"{k} = {v:g}" for k, v in taken.items() if v < inf)
+    taken = law.taken(**_given(r, period)) if law else {}
+    values = ", ".join(f"{k} = {v:.4g} s" if k == "period" else f"{k} = {v:g}" for k, v in taken.items() if v < inf)
+    known = taken["period"] if "period" in taken and taken["kc"] == inf else None
+    steady = law(n, d or 1.0, fluid.viscosity, **{**taken, "period": inf})[0] if law and known is not None else a
     named = f"{r.law}: {values}" if values else str(r.law)
     reynolds = u * d / fluid.viscosity if d is not None and fluid.viscosity and u < inf else None
     return Passport(
@@ -226,7 +279,9 @@ def passport(body: Porous, fluid: Fluid, velocity: float | None = None, gradient
         status=law.status if law else "",
         porosity=n,
         grain_diameter=d,
+        period=known,
         a=a,
+        oscillating=a - steady,
         b=b,
         permeability=permeability,
         forchheimer=b * sqrt(permeability) if b else 0.0,

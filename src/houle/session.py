@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from houle.bundle import as_failure, write_bundle
 from houle.ledger import WORKS
 from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
+from houle.preflight import drag_of
 from houle.progress import Silent
 from houle.recorder import Recorder
 
@@ -77,7 +78,7 @@ class Session:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         self.outputs = Outputs(directory, case, simulation.grid)
         self.recorder = Recorder(self.outputs, case.time.end, case.output.every, case.output.series_every)
-        self.manifest = collect(case, threads)
+        self.manifest = {**collect(case, threads), "porous": drag_of(case)}
         self.newest = Path()  # checkpoint
 
     def begin(self) -> Session:

@@ -68,7 +68,8 @@ class Simulation:
         self.__dict__.pop("_room", None)
         case, grid = self.case, self.grid.lowest(rows)
         d, numerics = grid.dimension, case.numerics
-        bodies = [_porous_body(b, d, case.fluid.viscosity) for b in case.porous]
+        period = case.drag_period if case.porous else math.inf
+        bodies = [_porous_body(b, d, case.fluid.viscosity, period) for b in case.porous]
         self.medium = Medium.build(grid, bodies, [shape_of(s, d) for s in case.solid])
         water = seed(grid, self.medium, [shape_of(w, d) for w in case.water])
         _set_off(case, water)
@@ -425,7 +426,7 @@ def _set_off(case: Case, water: Particles) -> None:
             water.velocity[inside] = entry.velocity
 
 
-def _porous_body(entry: Porous, dimension: int, viscosity: float) -> PorousBody:
-    a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity)
+def _porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:
+    a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity, period)
     inertia = inertia_coefficient(entry.porosity, entry.added_mass)
     return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia)

@@ -57,6 +57,25 @@ def test_liu_with_keulegan_carpenter_numbers_where_the_water_is(speed, period):
     assert LAWS["liu-1999"](n, d, NU, period=1.0)[0] == pytest.approx(19.27, abs=0.01)
 
 
+@pytest.mark.parametrize("law", [name for name, law in LAWS.items() if law.knows_period])
+@pytest.mark.parametrize("period", [1.2, 8.0])
+@pytest.mark.parametrize("speed", [0.003, 0.1, 0.7])
+def test_a_period_is_the_keulegan_carpenter_number_where_the_water_is(law, period, speed):
+    """7.5/KC of the quadratic drag with KC = |u_d| T/(n d) is linear: the same drag at every speed, no iteration."""
+    n, d = ROCK
+    linear, quadratic = LAWS[law](n, d, NU, period=period)
+    a, b = LAWS[law](n, d, NU, kc=speed * period / (n * d))
+    assert linear + quadratic * speed == pytest.approx(a + b * speed, rel=1e-12)
+    assert quadratic == pytest.approx(LAWS[law](n, d, NU, kc=1e12)[1], rel=1e-9), "without KC"
+
+
+def test_the_share_of_oscillating_flow_by_hand():
+    """Armour, n = 0.45, T = 1.6 s: 7.5 x 1.1 x 0.55 / (0.2025 x 1.6) = 14.00 /s, whatever the grain."""
+    for d in (0.048, 0.02):
+        steady, b = LAWS["van-gent-1995"](0.45, d, NU)
+        assert LAWS["van-gent-1995"](0.45, d, NU, period=1.6) == pytest.approx((steady + 14.0046, b), rel=1e-4)
+
+
 def test_exact_digits_of_one_law():
     a, b = LAWS["ergun-1952"](0.5, 0.01, 1e-6)  # (1-n)^2/n^3 = 2, (1-n)/n^3 = 4
     assert a == pytest.approx(150 * 2 * 1e-6 / 1e-4, rel=1e-14)
@@ -165,3 +184,58 @@ def test_three_ways_to_give_a_resistance(resistance, expected):
     case = body(resistance=resistance)
     rock = case.porous[0]
     assert coefficients(rock.resistance, rock.porosity, rock.grain_diameter, NU) == pytest.approx(expected, rel=1e-4)
+
+
+REGULAR = {"kind": "regular", "height": 0.02, "period": 1.5, "depth": 0.2, "zone": {"x": [0.0, 0.5]}}
+SEA = {**REGULAR, "kind": "jonswap"}
+CREST = {"kind": "solitary", "height": 0.02, "depth": 0.2, "zone": {"x": [0.0, 0.5]}}
+GROUP = {**REGULAR, "kind": "focused", "focus": {"x": 0.5, "time": 1.0}}
+
+
+def under(waves, **resistance):
+    """(a, b) of the rock that a run of the case has."""
+    case = load(body(resistance={"law": "van-gent-1995", **resistance}).to_dict() | ({"waves": waves} if waves else {}))
+    rock = case.porous[0]
+    return coefficients(rock.resistance, rock.porosity, rock.grain_diameter, NU, case.drag_period)
+
+
+def test_the_period_is_that_of_the_waves_unless_the_file_says_another():
+    law = lambda **given: LAWS["van-gent-1995"](*ROCK, NU, **given)  # noqa: E731
+    assert under(REGULAR) == law(period=1.5)
+    assert under(REGULAR, period=3.0) == law(period=3.0)
+    assert under(REGULAR, kc=20.0) == law(kc=20.0)
+    assert under(None) == law() and under(CREST) == law(), "steady: no waves, or a single one"
+    assert under(None, period=2.0) == law(period=2.0)
+    assert under(REGULAR, law="ergun-1952") == LAWS["ergun-1952"](*ROCK, NU), "it has no KC"
+    assert under(REGULAR, law="jensen-2014") == LAWS["jensen-2014"](*ROCK, NU, period=1.5), "not the 128 of a dam break"
+    assert under(None, law="jensen-2014") == LAWS["jensen-2014"](*ROCK, NU, kc=128.0)
+    current = {**REGULAR, "current": 0.1}
+    assert under(current) == law(period=1.5), "that of the bed"
+
+
+def test_the_period_of_a_sea_is_that_of_its_energy():
+    """T_m-1,0 of JONSWAP with gamma = 3.3 is 0.904 T_p (0.9 in the design manuals); a group has the square of it."""
+    sea, group = (load(body().to_dict() | {"waves": w}).drag_period for w in (SEA, GROUP))
+    assert sea == pytest.approx(0.904 * 1.5, rel=5e-3)
+    assert sea < group < 1.5, "narrower, nearer to the peak"
+
+
+def test_run_theory_and_passport_have_the_same_drag():
+    from houle.preflight import drag_of
+    from houle.reflection import block_theory
+    from houle.simulation import Simulation
+
+    waves = {**REGULAR, "zone": {"x": [0.0, 2.4]}}
+    tables = body(box=[[3.5, 0.0], [4.0, 0.4]], resistance={"law": "van-gent-1995"}).to_dict()
+    tables |= {"waves": waves, "domain": {"size": [6.5, 0.4], "spacing": 0.05}}
+    case = load(tables)
+    a, b = LAWS["van-gent-1995"](*ROCK, NU, period=1.5)
+    medium = Simulation(case, 1).medium
+    assert medium.on_faces(1)[0].max() == pytest.approx(a) and medium.on_faces(2)[0].max() == pytest.approx(b)
+    told = drag_of(case)[0]
+    assert (told["a"], told["b"], told["period"]) == (a, b, 1.5)
+    assert told["oscillating"] == pytest.approx(7.5 * 1.1 * 0.51 / (0.49**2 * 1.5))
+    steady = load(case, {"porous.dam.resistance": {"law": "van-gent-1995", "kc": 1e9}})
+    friction = [block_theory(c, c.porous[0], c.wave.omega, 0.02, False).friction for c in (case, steady)]
+    share = 0.49 * told["oscillating"] / case.wave.omega  # n a / omega
+    assert 0.6 * share < friction[0] - friction[1] < share, "less quadratic drag, for the water is slower"

@@ -191,9 +191,14 @@ class Resistance(Table):
     )
     alpha: float | None = Field(default=None, ge=0, le=1e5, description="linear coefficient of the law [-]")
     beta: float | None = Field(default=None, ge=0, le=1e3, description="quadratic coefficient of the law [-]")
-    kc: float | None = Field(default=None, gt=0, description="Keulegan-Carpenter number, left out in steady flow [-]")
+    kc: float | None = Field(
+        default=None, gt=0, description="one Keulegan-Carpenter number for all, instead of that where the water is [-]"
+    )
     period: float | None = Field(
-        default=None, gt=0, description="of the waves, 1 s without: KC where the water is, instead of kc [s]"
+        default=None,
+        gt=0,
+        description="of the flow to and fro, for KC where the water is; that of [waves] when left out, steady without "
+        "them [s]",
     )
     a: float | None = Field(
         default=None, ge=0, description="canonical linear coefficient, drag = a u_d + b abs(u_d) u_d [1/s]"

@@ -39,6 +39,13 @@ class Components:
         """The first of them alone."""
         return Components(*(part[:1] for part in (self.amplitude, self.omega, self.k, self.phase, self.direction)))
 
+    @property
+    def energy_period(self) -> float:
+        """T_m-1,0 = m_-1/m_0 of what goes up and down [s]."""
+        moves = self.omega > 0
+        energy = self.amplitude[moves] ** 2
+        return float(2 * pi * np.sum(energy / self.omega[moves]) / np.sum(energy))
+
     def elevation(self, x: ArrayLike, t: ArrayLike, y: ArrayLike = 0.0) -> Array:
         """The sum [m] at x, y [m] and t [s], broadcast against each other."""
         x, y, t = (np.asarray(v, dtype=float)[..., None] for v in (x, y, t))
