@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -20,8 +20,13 @@ from houle.resistance import Passport, passport
 from houle.tables.control import WAVE_SHARE
 from houle.wave_checks import reach
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle bench` measures yours
 LONGEST = 5.5  # of the picture of a section, its length over its height
+ROOM, NAME = 9.0, 1.5  # inches: for a title, for a name
+LETTER = 0.8  # of a wide one, of its size
 STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
 
 
@@ -102,14 +107,27 @@ def draw(case: Case, file: Path) -> None:
 
     The heights of a long flume are enlarged, by a factor that the picture names.
     """
+    import matplotlib
+
+    with matplotlib.rc_context({"text.parse_math": False}):  # names may hold $
+        figure = _figure(case)
+        figure.savefig(file, dpi=150, format="png", metadata={"Title": f"section of {case.case.name}"})
+
+
+def _figure(case: Case) -> Figure:
+    """The picture of the section, laid out when it is saved."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+
+    from houle.output.drawing import fitted
 
     s = Section(case)
     layer = next(y for y in s.layers if case.dimension == 2 or y[0] <= case.domain.size[1] / 2 <= y[1])
     width, height = case.domain.size[0], case.domain.size[-1]
     enlarged = enlargement(width, height)
-    figure = Figure(figsize=(10, min(9.3 * enlarged * height / width, 9.0) + 1.5), layout="constrained")
+    above = max(22.0, 12.0 + _names(case)[1])
+    tall = min(9.3 * enlarged * height / width, 9.0) + 1.5 + (above - 22.0) / 72
+    figure = Figure(figsize=(10, tall), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     _fill(axes, s.open_water(layer), facecolor="#a9d3ee", edgecolor="none", label="water")
@@ -130,15 +148,20 @@ def draw(case: Case, file: Path) -> None:
     _gauges(axes, case)
     for sensor in case.sensor:
         axes.plot(sensor.at[0], sensor.at[-1], "o", color="#2c3e50", markersize=5, clip_on=False)
-        axes.annotate(sensor.name, (sensor.at[0], sensor.at[-1]), (5, 5), textcoords="offset points", fontsize=8)
-    axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect=enlarged)
-    axes.set_title(case.case.title or case.case.name, loc="left", pad=22, parse_math=False)
+        at = (sensor.at[0], sensor.at[-1])
+        fitted(axes.annotate(sensor.name, at, (5, 5), textcoords="offset points", fontsize=8), NAME)
+    axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect=enlarged, anchor="S")
+    title = axes.set_title(" ".join((case.case.title or case.case.name).split()), loc="left", pad=above)
+    fitted(title, ROOM - 2.2 if enlarged > 1 else ROOM)
     if enlarged > 1:
-        axes.set_title(f"heights enlarged {enlarged:g} times", loc="right", pad=22, fontsize=9, color="#5d6d7e")
+        axes.set_title(f"heights enlarged {enlarged:g} times", loc="right", pad=above, fontsize=9, color="#5d6d7e")
     handles, labels = axes.get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
-    figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=min(5, len(unique)), frameon=False)
-    figure.savefig(file, dpi=150, format="png", metadata={"Title": f"section of {case.case.name}"})
+    columns = min(5, len(unique))
+    place: Any = {"loc": "outside lower center", "ncols": columns, "frameon": False}
+    for words in figure.legend(unique.values(), unique.keys(), **place).get_texts():
+        fitted(words, 9.6 / columns - 0.6)
+    return figure
 
 
 def enlargement(width: float, height: float) -> float:
@@ -148,16 +171,25 @@ def enlargement(width: float, height: float) -> float:
     return float(next(f * power for f in (1, 2, 3, 4, 5, 6, 8, 10) if needed <= f * power * (1 + 1e-9)))
 
 
-def _gauges(axes: Any, case: Case) -> None:
-    """Lines with their names above; upright names where they would not stand side by side."""
+def _names(case: Case) -> tuple[dict[str, Any], float]:
+    """How the names of gauges are written, upright where they would not stand side by side; their height [points]."""
     places = sorted(gauge.x for gauge in case.gauge)
-    narrow = 0.008 * case.domain.size[0] * max([len(gauge.name) for gauge in case.gauge], default=0)
-    crowded = any(b - a < narrow for a, b in pairwise(places))
-    look: dict[str, Any] = {"rotation": 90, "fontsize": 6} if crowded else {"fontsize": 8}
+    longest = max([len(gauge.name) for gauge in case.gauge], default=0)
+    if all(b - a >= 0.008 * case.domain.size[0] * longest for a, b in pairwise(places)):
+        return {"fontsize": 8}, 8.0
+    return {"rotation": 90, "fontsize": 6}, min(72 * NAME, 6 * LETTER * longest)
+
+
+def _gauges(axes: Any, case: Case) -> None:
+    """Lines with their names above."""
+    from houle.output.drawing import fitted
+
+    look = _names(case)[0]
     for gauge in case.gauge:
         axes.axvline(gauge.x, color="#2c3e50", linestyle="--", linewidth=0.9)
         at = (gauge.x, case.domain.size[-1])
-        axes.annotate(gauge.name, at, (0, 3), textcoords="offset points", ha="center", va="bottom", **look)
+        name = axes.annotate(gauge.name, at, (0, 3), textcoords="offset points", ha="center", va="bottom", **look)
+        fitted(name, NAME)
 
 
 def _waves(axes: Any, case: Case, s: Section) -> None:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from houle.output.atomic import replacing
-from houle.output.drawing import DPI, FAINT, GREY, INK, LABORATORY, SHADE, WATER, style
+from houle.output.drawing import DPI, FAINT, GREY, INK, LABORATORY, SHADE, SMALL, TEXT, WATER, fitted, headline, style
 
 if TYPE_CHECKING:
     from houle.analysis.result import Reflection
@@ -45,9 +45,8 @@ def _sheet(r: Reflection, count: int) -> tuple[Figure, list[Any]]:
     for i in range(count):
         y = height - TOP - (i + 1) * SIZE[1] - i * GAP
         panels.append(figure.add_axes((LEFT / width, y / height, SIZE[0] / width, SIZE[1] / height)))
-    wave = f"{r.kind} waves, {'T' if r.kind == 'regular' else '$T_p$'} = {r.period:.4g} s, {r.method}"
-    figure.text(LEFT / width, 1 - 0.26 / height, _numbers(r), fontsize=10, weight="bold", va="center")
-    figure.text(LEFT / width, 1 - 0.49 / height, wave, fontsize=8.5, color=GREY, va="center")
+    wave = f"{r.kind} waves, ${'T' if r.kind == 'regular' else 'T_p'}$ = {r.period:.4g} s, {r.method}"
+    headline(figure, LEFT, SIZE[0] + RIGHT / 2, _numbers(r), wave, points=10, mathematics=True)
     colours = {"incident": INCIDENT, "reflected": REFLECTED}
     keys = [Line2D([], [], color=c, lw=2.5, label=name) for name, c in colours.items()]
     place = ((LEFT + SIZE[0]) / width, 0.1 / height)
@@ -64,7 +63,7 @@ def _numbers(r: Reflection) -> str:
 
 def _headings(panel: Any, left: str, right: str = "") -> None:
     panel.set_title(left, loc="left", fontsize=9, fontweight="bold", pad=4)
-    panel.set_title(right, loc="right", fontsize=8.5, color=GREY, pad=4)
+    panel.set_title(right, loc="right", fontsize=TEXT, color=GREY, pad=4)
 
 
 def _signals(panel: Any, r: Reflection) -> None:
@@ -78,8 +77,9 @@ def _signals(panel: Any, r: Reflection) -> None:
         panel.axhline(base, color=FAINT, lw=0.6, zorder=0.5)
         panel.plot(g.time, base + level, color=INK, lw=0.8)
         words = f"{g.names[number]}" if "=" in g.names[number] else f"{g.names[number]}, {r.towards * g.x[number]:g} m"
-        panel.annotate(words, (1.0, base), (5, 0), xycoords=panel.get_yaxis_transform(),
-                       textcoords="offset points", va="center", fontsize=7.5, color=GREY)  # fmt: skip
+        name = panel.annotate(words, (1.0, base), (5, 0), xycoords=panel.get_yaxis_transform(),
+                              textcoords="offset points", va="center", fontsize=SMALL, color=GREY)  # fmt: skip
+        fitted(name, RIGHT - 0.12)
     panel.set_xlim(g.time[0], g.time[-1])
     panel.set_yticks([])
     panel.spines["left"].set_visible(False)
@@ -146,5 +146,5 @@ def _spectrum(panel: Any, r: Reflection) -> None:
     panel.set_xlim(f[0], f[-1])
     panel.set_ylim(0, 1.5 * top)
     panel.set_xlabel("f [Hz]")
-    panel.set_ylabel(r"[mm$^2$/Hz]")
+    panel.set_ylabel(r"[mm$^2$/Hz]", parse_math=True)
     _headings(panel, f"Spectrum taken apart, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")

@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT
 from matplotlib.patches import Polygon
-from matplotlib.text import Annotation
+from matplotlib.text import Annotation, Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
@@ -41,6 +41,8 @@ STONE, STONE_LINE, SOLID = "#f3efe6", "#8c8069", "#c3c8cc"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
 DPI = 150
 TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
+LEAST = 6.0  # points: smaller cannot be read
+WIDEST = 1.2  # no letter is wider, of its size
 DIGIT, WIDTHS = 0.64, {".": 0.32, "−": 0.84}  # of letters in numbers, of their size
 COMPRESSION = 1  # of PNG: a third of the time of the usual 6
 
@@ -48,7 +50,7 @@ _STYLE: dict[str, Any] = {
     "font.family": ["DejaVu Sans"],
     "font.size": TEXT,
     "text.color": INK,
-    "text.parse_math": False,  # a title may hold $
+    "text.parse_math": False,  # a title may hold $; mathematics of ours is set where it is asked for
     "axes.edgecolor": GREY,
     "axes.labelcolor": INK,
     "axes.linewidth": 0.6,
@@ -162,11 +164,45 @@ def sheet(
         panel.xaxis.set_visible(False)
         panel.yaxis.set_visible(False)
         panels.append(panel)
-    room = width - left - right
-    for words, most, y, colour, weight in ((title, 12.0, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
-        points = min(most, 72 * room / (0.62 * max(1, len(words))))  # a long title is set smaller, not cut
-        figure.text(left / width, 1 - y / height, words, fontsize=points, color=colour, weight=weight, va="center")
+    headline(figure, left, width - left - min(right, left), title, subtitle)
     return Sheet(figure, panels, columns)
+
+
+def headline(
+    figure: Figure, left: float, room: float, title: str, subtitle: str, points: float = 12.0, mathematics: bool = False
+) -> None:
+    """A title in bold and a line under it at the top, from `left` on and no longer than `room`, both in inches."""
+    width, height = figure.get_size_inches()
+    for words, size, y, colour, weight in ((title, points, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
+        line = " ".join(words.split())
+        look: Any = {"fontsize": size, "color": colour, "weight": weight, "va": "center", "parse_math": mathematics}
+        fitted(figure.text(left / width, 1 - y / height, line, **look), room)
+
+
+def fitted(text: Text, room: float) -> Text:
+    """A line set smaller until it is no longer than `room` [inches]; what LEAST does not bring in ends in an ellipsis.
+
+    Mathematics is set smaller only. Returns the same text.
+    """
+    words, points = text.get_text(), float(text.get_fontsize())
+    if not text.get_parse_math() and WIDEST * points * len(words) <= 72 * room:
+        return text
+    if (size := points * room / max(_length(text), 1e-9)) < points:
+        text.set_fontsize(size if text.get_parse_math() else max(LEAST, size))
+    if not text.get_parse_math() and size < LEAST:
+        keep = int(len(words) * size / LEAST) + 1
+        while keep > 0 and _length(text) > room:
+            text.set_text(words[:keep].rstrip() + "…")
+            keep -= 1
+    return text
+
+
+def _length(text: Text) -> float:
+    """Of a line of a figure [inches], with a hundredth for the letters' hinting at another resolution."""
+    figure: Any = text.figure
+    canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
+    extent = text.get_window_extent(canvas.get_renderer())
+    return 1.01 * float(max(extent.width, extent.height) if text.get_rotation() else extent.width) / figure.dpi
 
 
 def scales(panel: Axes, below: bool, left: bool) -> float:
@@ -205,11 +241,15 @@ def as_numbers(values: Sequence[float]) -> list[str]:
     return [f"{round(v, digits) + 0.0:.{digits}f}".replace("-", "−") for v in values]
 
 
-def headings(panel: Axes, left: str, right: str = "") -> Annotation:
-    """Above a panel: what it shows in bold, which is returned; a number beside it."""
+def headings(panel: Axes, left: str, right: str = "", mathematics: bool = False) -> Annotation:
+    """Above a panel: what it shows in bold, which is returned; a number beside it. Together no longer than the panel."""
+    room = panel.get_position().width * panel.figure.get_size_inches()[0]
     if right:
-        _beside(panel, (1, 1), (0, 5), right, ha="right", va="baseline", color=GREY)
-    return _beside(panel, (0, 1), (0, 5), left, ha="left", va="baseline", fontweight="bold")
+        beside = _beside(panel, (1, 1), (0, 5), right, ha="right", va="baseline", color=GREY, parse_math=mathematics)
+        room -= _length(fitted(beside, 0.6 * room)) + 0.1
+    first = _beside(panel, (0, 1), (0, 5), left, ha="left", va="baseline", fontweight="bold", parse_math=mathematics)
+    fitted(first, room)
+    return first
 
 
 def label(panel: Axes, x: str, y: str, away: float = 31.0) -> None:
@@ -364,8 +404,9 @@ def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: floa
     to_points = 72.0 / panel.figure.dpi
     (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
     heights = [to_points * panel.transData.transform((0.0, y))[1] for y, _, _ in ends]
+    room = (1.0 - panel.get_position().x1) * panel.figure.get_size_inches()[0] - 8 / 72
     for (y, words, colour), shift in zip(ends, apart(heights, points * 1.25, low, high), strict=True):
-        panel.annotate(
+        name = panel.annotate(
             words,
             (1.0, y),
             (5, shift),
@@ -376,6 +417,7 @@ def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: floa
             color=colour,
             annotation_clip=False,
         )
+        fitted(name, room)
 
 
 def apart(heights: Sequence[float], gap: float, low: float, high: float) -> list[float]:

@@ -144,8 +144,8 @@ def pressure_scale(frames: Iterable[Frame]) -> Normalize:
     return Normalize(low if low < -SUCTION * high else 0.0, high)
 
 
-def colour_bar(page: Sheet, marks: Any, words: str) -> None:
-    """A slim bar under the panels."""
+def colour_bar(page: Sheet, marks: Any, words: str, mathematics: bool = False) -> None:
+    """A slim bar under the panels; `mathematics`: between dollars in the words."""
     width, height = page.figure.get_size_inches()
     first = page.panels[0].get_position()
     bar = page.figure.add_axes((first.x0, 0.32 / height, min(3.2 / width, 0.4), 0.09 / height))
@@ -155,7 +155,7 @@ def colour_bar(page: Sheet, marks: Any, words: str) -> None:
     bar.set_frame_on(False)
     bar.tick_params(length=2)
     bar.locator_params(axis="x", nbins=6)
-    bar.text(1.03, 0.5, words, transform=bar.transAxes, va="center")
+    bar.text(1.03, 0.5, words, transform=bar.transAxes, va="center", parse_math=mathematics)
 
 
 def title(case: Any) -> str:

@@ -143,7 +143,7 @@ def velocities(path: Path, wave: WaveRun, row: Printed, largest: float) -> Path:
             headings(panel, left, right)
             panel.set(xlim=reach, ylim=(0, HEIGHT))
         page.label_outside("x from the source [m]", "z [m]")
-        colour_bar(page, image, "$u_x$ [m/s]")
+        colour_bar(page, image, "$u_x$ [m/s]", mathematics=True)
         return page.save(path)
 
 

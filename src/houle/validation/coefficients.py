@@ -82,7 +82,8 @@ def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
         chosen = itertools.product(porosities, kinds)
         for panel, (porosity, (name, wall)) in zip(page.panels, chosen, strict=True):
             _panel(panel, name, wall, [row for row in rows if row.porosity == porosity and row.wall == wall])
-            headings(panel, f"{name[0]}$_{name[2]}$, {'wall' if wall else 'open'} behind, n = {porosity:g}")
+            what = f"${name}$, {'wall' if wall else 'open'} behind, n = {porosity:g}"
+            headings(panel, what, mathematics=True)
         page.label_outside("friction f", "")
         page.legend([Line2D([], [], color=c, marker="o", ms=4, label=f"T = {t:g} s") for t, c in PERIODS.items()])
         page.save(path)
