@@ -16,7 +16,7 @@ CORE = ROOT / "core"
 LAYERS = (
     {"_core", "errors"},
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
-    {"resistance", "solids", "porous", "seeding", "columns", "room", "remesh", "viscosity", "workspace"}
+    {"resistance", "solids", "porous", "seeding", "columns", "room", "crest", "remesh", "viscosity", "workspace"}
     | {"tables", "waves", "sides"},
     {"flow", "driven", "paddle", "absorption", "transfer", "ledger"},
     {"operations", "remeshing", "observe", "exchange"},

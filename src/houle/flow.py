@@ -24,6 +24,7 @@ from houle.waves.makers import Maker
 from houle.workspace import Workspace
 
 if TYPE_CHECKING:
+    from houle.crest import Crest
     from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
@@ -87,6 +88,7 @@ class Flow:
         self.walls: FloatArray | None = None  # their places x [m] and sides, one row each
         self.nodes = EVERYWHERE  # of the lattice of the particles along x, between paddles
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
+        self.crests: list[Crest] = []  # sections that book what crosses them
         self.push: Faces = []  # their accelerations [m/s2]
         self.pushed: dict[int, slice] = {}  # axes of the faces that they push, and which along x
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none

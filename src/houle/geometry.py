@@ -188,6 +188,16 @@ def covers(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> NDArray[np.b
     return shapely.intersects_xy(area, x, z)
 
 
+def spans_inside(area: shapely.Geometry, x: float) -> list[tuple[float, float]]:
+    """From where to where [m] the upright line at x runs in the area, upwards."""
+    low, high = shapely.bounds(area)[[1, 3]]
+    if not low < high:
+        return []
+    line = shapely.linestrings([[x, low - 1.0], [x, high + 1.0]])
+    parts = [p for p in shapely.get_parts(shapely.intersection(area, line)) if shapely.length(p) > 0.0]
+    return sorted((float(z0), float(z1)) for z0, z1 in (shapely.bounds(p)[[1, 3]] for p in parts))
+
+
 def signed_distance(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> FloatArray:
     """Distance [m] in the section from the boundary of the area, negative inside."""
     outline = shapely.boundary(area)

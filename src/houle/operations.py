@@ -218,18 +218,38 @@ def move_paddles(flow: Flow) -> None:
 
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
-    p = flow.particles
+    p, before = flow.particles, _near_crests(flow, flow.particles.position)
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
         flow.medium.outline, flow.gates, dt, p.position, flow.walls,
     )  # fmt: skip
+    _book_crossings(flow, before)
 
 
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
     """Particles from `start` with velocities of their own."""
     position = flow.particles.position
     _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.outline, flow.gates, dt, position, flow.walls)
+
+
+def arrive(flow: Flow, start: FloatArray, velocity: FloatArray, dt: float) -> None:
+    """Particles from `start` with pore velocities of their own, to where they stay."""
+    drift(flow, start, velocity, None, dt)
+    _book_crossings(flow, _near_crests(flow, start))
+
+
+def _near_crests(flow: Flow, position: FloatArray) -> list[FloatArray]:
+    """Copies of the positions near each crest."""
+    return [position[crest.near(flow.start)].copy() for crest in flow.crests]
+
+
+def _book_crossings(flow: Flow, before: list[FloatArray]) -> None:
+    """Books what crosses the crests on the way from there to where the particles are now."""
+    p = flow.particles
+    for crest, was in zip(flow.crests, before, strict=True):
+        near = crest.near(flow.start)
+        crest.moved(was, p.position[near], p.volume[near])
 
 
 def portion(correction: float, courant: float) -> float:
@@ -272,4 +292,6 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity, position = flow.listed("particle_porosity"), flow.particles.position
+    before = _near_crests(flow, position)
     _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)
+    _book_crossings(flow, before)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from houle import _core
 from houle.flow import SPRAY, Flow
+from houle.particles import Particles
 from houle.remesh import Remesher
 from houle.transfer import Transfer
 
@@ -37,15 +38,23 @@ class Remeshing:
         for way in self.travelled:
             way[...] = 0.0
         flow.sample_medium()
-        porosity = flow.porosity if flow.porous else None
+        porosity, old = flow.porosity if flow.porous else None, flow.particles
+        marks = [crest.marks(old.position) for crest in flow.crests]
         flow.drop_work()
         for paddle in flow.paddles:
-            paddle.to_lattice(flow.particles)
-        flow.particles = self.remesher(flow.particles, porosity, flow.nodes)
+            paddle.to_lattice(old)
+        flow.particles = self.remesher(old, porosity, flow.nodes)
+        handed = [  # marks go with the water as velocities do
+            None if mark is None else self.remesher(Particles(old.position, mark, old.volume), porosity, flow.nodes)
+            for mark in marks
+        ]
         for paddle in flow.paddles:
             paddle.from_lattice(flow.particles)
         # the centre of what a node was given may lie in a solid: round a corner, or in the cut half cell of the node
         _core.leave_solids(flow.grid.core, flow.medium.outline, flow.particles.position)
+        for crest, new in zip(flow.crests, handed, strict=True):
+            if new is not None:
+                crest.handed(flow.particles.position, flow.particles.volume, new.velocity)
         flow.resize_particles()
         flow.sample_medium()
         transfer.renew(flow)

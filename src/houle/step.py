@@ -15,6 +15,7 @@ from houle.ledger import Ledger
 from houle.operations import (
     apply_forces,
     arrange,
+    arrive,
     correct_positions,
     drift,
     drive,
@@ -109,7 +110,7 @@ class PaperStep:
             self.transfer.to_particles(flow)
         with ledger.operation("advection"):
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
-            drift(flow, start, mean, None, dt)  # (17): r + dt (u + u')/2 / n
+            arrive(flow, start, mean, dt)  # (17): r + dt (u + u')/2 / n
         with ledger.operation("exchange"):
             exchange(flow, self.transfer, dt)
         with ledger.operation("correction"):

@@ -103,7 +103,7 @@ class Observers:
     def after_step(self, dt: float) -> None:
         """Books what has passed in a step of dt [s]."""
         for o in self.overtoppings:
-            o.after_step(self.flow, dt)
+            o.after_step(dt)
 
     def state(self) -> dict[str, FloatArray]:
         """What a checkpoint must hold."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from houle.crest import Crest
 from houle.flow import Flow
 from houle.grid import FloatArray, Grid
 from houle.observe.profile import around, layer_at, open_spans, wet_share
@@ -29,10 +30,6 @@ class Section:
         self.bottom = np.arange(grid.shape[-1]) * grid.spacing[-1]
         self.width = 1.0 if grid.dimension == 2 else grid.spacing[1]
 
-    @property
-    def closed(self) -> bool:
-        return not bool(np.any(self.spans[..., 1] > self.spans[..., 0]))
-
     def discharge(self, flow: Flow) -> float:
         u = (1.0 - self.share) * flow.velocity[0][self.face] + self.share * flow.velocity[0][self.face + 1]
         wet = (self.weight * wet_share(flow, self.column).reshape(2, -1)).sum(axis=0).reshape(-1, len(self.bottom))
@@ -42,47 +39,26 @@ class Section:
 
 
 class Overtopping:
-    """Volume [m^d] of water that has passed x above a level since the start, and its rate of change.
-
-    It is the change of the water volume behind x, less what the faces let through below the level. Behind a crest that
-    is tight below that level the second part is nothing: the volume is then that of the particles themselves, which
-    neither remeshing nor the position correction changes, and no discharge has to be summed up over the run. A
-    particle passes little by little, over one cell on each side (with the tent function as density).
-    """
+    """Volume [m^d] of water that has crossed x above a level since the start, and its rate in the last step."""
 
     def __init__(self, flow: Flow, x: float, level: float | None, to_the_right: bool) -> None:
-        self.x, self.sign = x, 1.0 if to_the_right else -1.0
-        below = Section(flow, x, high=level) if level is not None else None
-        self.below = None if below is None or below.closed else below
-        self.start, self.leaked = self.behind(flow), 0.0
+        self.crest = Crest(flow.grid, flow.medium, x, level, to_the_right)
         self.volume, self.discharge = 0.0, 0.0
+        flow.crests.append(self.crest)
 
-    def behind(self, flow: Flow) -> float:
-        """Water behind x less what came in there through an open side [m^d]; the particles are sorted by x first."""
-        grid, p = flow.grid, flow.particles
-        per_column = int(np.prod(grid.shape[1:]))
-        i = int(self.x / grid.spacing[0])
-        near = [int(flow.start[min(max(j, 0), grid.shape[0]) * per_column]) for j in (i - 1, i + 2)]
-        s = np.clip(self.sign * (p.position[near[0] : near[1], 0] - self.x) / grid.spacing[0], -1.0, 1.0)
-        passed = np.where(s < 0.0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2)
-        far = p.volume[near[1] :] if self.sign > 0 else p.volume[: near[0]]
-        through = sum(side.came - side.went for side in flow.sides if side.far == (self.sign > 0))
-        return float(far.sum() + np.sum(p.volume[near[0] : near[1]] * passed)) - through
-
-    def after_step(self, flow: Flow, dt: float) -> None:
-        """Books a step of dt [s]; the velocities are those of its middle."""
-        if self.below is not None:
-            self.leaked += dt * self.sign * self.below.discharge(flow)
-        before, self.volume = self.volume, self.behind(flow) - self.start - self.leaked
+    def after_step(self, dt: float) -> None:
+        """Reads what the crest booked in a step of dt [s]."""
+        before, self.volume = self.volume, self.crest.passed
         self.discharge = (self.volume - before) / dt
 
     @property
     def state(self) -> FloatArray:
-        return np.array([self.start, self.leaked, self.volume, self.discharge])
+        return np.array([self.volume, self.discharge])
 
     @state.setter
     def state(self, values: FloatArray) -> None:
-        self.start, self.leaked, self.volume, self.discharge = map(float, values)
+        self.volume, self.discharge = map(float, values)
+        self.crest.passed = self.volume
 
 
 def _solid_sections(grid: Grid, medium: Medium) -> tuple[list[tuple[float, float]], list[shapely.Geometry]]:
