@@ -20,7 +20,7 @@ from houle.frame import Frame
 from houle.geometry import shape_of
 from houle.grid import FloatArray, axes
 from houle.ledger import OPERATIONS, WORKS, Ledger
-from houle.observe import Observers, at_points
+from houle.observe import Observers, Profile, at_points
 from houle.observe.held import water_held
 from houle.operations import arrange, prepare
 from houle.paddle import Paddle, place
@@ -65,7 +65,8 @@ class Simulation:
 
     def _build(self, rows: int) -> None:
         """The flow as the case describes it, on so many rows of cells, arranged, and what observes it."""
-        self.__dict__.pop("_room", None)
+        for kept in ("_room", "_profile"):
+            self.__dict__.pop(kept, None)
         case, grid = self.case, self.grid.lowest(rows)
         d, numerics = grid.dimension, case.numerics
         period = case.drag_period if case.porous else math.inf
@@ -322,6 +323,10 @@ class Simulation:
     def _room(self) -> Room:
         return Room.of(self.flow.grid, self.medium)
 
+    @cached_property
+    def _profile(self) -> Profile:
+        return Profile(self.flow)
+
     def frame(self) -> Frame:
         """Everything the writers and the pictures need of this instant, as copies."""
         flow, p, rho = self.flow, self.particles, self.case.fluid.density
@@ -342,7 +347,7 @@ class Simulation:
             cell_fill=raised(flow.fill, dry),
             cell_velocity=np.stack(velocity, axis=-1),
             cell_porosity=raised(self.medium.porosity - 1.0, dry) + 1.0,
-            eta=flow.eta.copy(),
+            eta=self._profile.levels(flow).copy(),
         )
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------

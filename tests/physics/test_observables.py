@@ -73,6 +73,95 @@ def test_water_that_runs_over_a_dry_core_is_not_its_phreatic_line():
     assert sim.sample()["phreatic_level"] == pytest.approx(0.06, abs=0.002)
 
 
+# ---- levels at solids: a level is where water is, never in concrete --------------------------------------------------
+
+SLAB = {"name": "slab", "box": [[0.4, 0.25], [0.6, 0.3]]}
+BESIDE = [0.37, 0.397, 0.4, 0.6, 0.603]
+INSIDE = [0.403, 0.41, 0.5, 0.59, 0.597]
+
+
+@pytest.mark.parametrize(("level", "inside"), [(0.2, 0.2), (0.27, 0.25), (0.295, 0.25), (0.31, 0.31), (0.36, 0.36)])
+@pytest.mark.parametrize("pores", [False, True])
+def test_a_level_under_a_slab_is_its_underside_or_that_of_the_water_on_it(level, inside, pores):
+    """Beside the slab the still level, in clear water and where the slab stands on pores."""
+    body = {
+        "porous": [{"name": "bed", "box": [[0.2, 0.0], [0.8, 0.25]], **ROCK}],
+        "phreatic": [{"body": "bed", "x": INSIDE}],
+    }
+    places = [{"x": x} for x in BESIDE + INSIDE]
+    sim = tank(water=[{"below": level}], solid=[SLAB], gauge=places, **(body if pores else {}))
+    sample = sim.sample()
+    assert sample["eta"] == pytest.approx([level] * len(BESIDE) + [inside] * len(INSIDE), abs=4e-4)
+    if pores:
+        assert sample["phreatic_level"] == pytest.approx([min(level, 0.25)] * len(INSIDE), abs=4e-4)
+    x, profile = sim.grid.axis_points(0), sim.frame().eta
+    assert profile == pytest.approx(np.where(np.abs(x - 0.5) < 0.1, inside, level), abs=4e-4)
+
+
+@pytest.mark.parametrize(("on_top", "level"), [(0.0, 0.2), (0.004, 0.2), (0.01, 0.31), (0.03, 0.33), (0.06, 0.36)])
+def test_water_stands_on_a_slab_with_air_below(on_top, level):
+    """From a layer of particles on its level is that of the place."""
+    water = [{"below": 0.2}] + ([{"box": [[0.0, 0.3], [1.0, 0.3 + on_top]]}] if on_top else [])
+    roof = {"name": "roof", "box": [[0.0, 0.25], [1.0, 0.3]]}
+    sim = tank(water=water, solid=[roof], gauge=[{"x": 0.5}, {"x": 0.517}])
+    assert sim.sample()["eta"] == pytest.approx(level, abs=1e-9)
+    assert sim.frame().eta == pytest.approx(level, abs=1e-9)
+
+
+def test_waves_under_a_slab_have_no_level_in_it():
+    """Water sloshes through pores under a slab and over it."""
+    bed = {"name": "bed", "box": [[0.3, 0.0], [0.7, 0.25]], **ROCK}
+    sim = tank(
+        water=[{"polygon": [[0, 0], [0, 0.33], [1, 0.17], [1, 0]]}], solid=[SLAB], porous=[bed],
+        gauge=[{"x": x} for x in INSIDE], phreatic=[{"body": "bed", "x": INSIDE}], numerics={"tolerance": 1e-6},
+    )  # fmt: skip
+    x = sim.grid.axis_points(0)
+    profile, gauges = [], []
+    while sim.time < 2.0:
+        run(sim, 5)
+        sample = sim.sample()
+        profile.append(sim.frame().eta[np.abs(x - 0.5) < 0.1])
+        gauges.append([sample["eta"], sample["phreatic_level"]])
+    for levels in map(np.array, (profile, gauges)):
+        assert (levels == 0.25).any()
+        assert (levels < 0.25).any()
+        assert not ((levels > 0.25) & (levels < 0.3)).any()
+    assert (np.array(gauges)[:, 0] > 0.3).any()
+
+
+def test_the_underside_of_a_sloping_slab():
+    """Where the still level lies inside it the water stands at its underside there."""
+    slab = {"name": "slab", "polygon": [[0.3, 0.2], [0.7, 0.3], [0.7, 0.35], [0.3, 0.25]]}
+    x = np.array([0.2, 0.345, 0.37, 0.41, 0.44, 0.8])
+    for level in (0.26, 0.275):
+        exact = np.where((x < 0.3) | (x > 0.7), level, 0.2 + 0.25 * (x - 0.3))
+        exact = np.where((exact > level) | (exact + 0.05 < level), level, exact)
+        sim = tank(water=[{"below": level}], solid=[slab], gauge=[{"x": v} for v in x])
+        assert sim.sample()["eta"] == pytest.approx(exact, abs=1e-3)
+
+
+def test_no_level_in_a_wall_from_the_floor_up():
+    """Nor on a dry slope; beside the wall, however near, and on top of it, there is one."""
+    wall, slope = {"box": [[0.405, 0.0], [0.595, 0.3]]}, {"polygon": [[0.8, 0.0], [1.0, 0.4], [1.0, 0.0]]}
+    x = [0.403, 0.41, 0.5, 0.59, 0.597, 0.85, 0.94]
+    sim = tank(solid=[wall, slope], gauge=[{"x": v} for v in x])
+    level = sim.sample()["eta"]
+    assert list(np.isnan(level)) == [False, True, True, True, False, False, True]
+    assert level[[0, 4, 5]] == pytest.approx(DEPTH, abs=1e-9)
+    centre = sim.grid.axis_points(0)
+    dry = (np.abs(centre - 0.5) < 0.095) | (centre > 0.8 + DEPTH / 2)
+    assert list(np.isnan(sim.frame().eta)) == list(dry)
+    drowned = tank(solid=[wall], water=[{"below": 0.35}], gauge=[{"x": v} for v in x])
+    assert drowned.sample()["eta"] == pytest.approx(0.35, abs=1e-9)
+
+
+def test_a_slab_over_half_the_width_in_3d():
+    slab = {"name": "slab", "box": [[0.08, 0.0, 0.1], [0.32, 0.12, 0.18]]}
+    places = [{"x": 0.2, "y": 0.06}, {"x": 0.2, "y": 0.118}, {"x": 0.2, "y": 0.125}, {"x": 0.2, "y": 0.18}]
+    sample = deep_tank(solid=[slab], gauge=places).sample()
+    assert sample["eta"] == pytest.approx([0.1, 0.1, 0.133, 0.133], abs=2e-3)
+
+
 # ---- run-up ----------------------------------------------------------------------------------------------------------
 
 
@@ -309,17 +398,16 @@ def test_the_volume_over_a_tight_crest_is_that_of_the_particles():
         rates.append(sample["overtopping_discharge"])
         flows.append(sample["discharge"][0])
         steps.append(sim.step_size)
-    position, volume = sim.particles.position[:, 0], sim.particles.volume
     over = sample["overtopping_volume"]
-    beside = volume[np.abs(position - 0.6) < 0.02].sum()
     assert over[0] > 0.01
-    assert over[0] == pytest.approx(volume[position > 0.6].sum(), abs=0.5 * beside + 1e-12)
+    assert over[0] == pytest.approx(sim.particles.volume[sim.particles.position[:, 0] > 0.6].sum(), rel=1e-12)
     assert over[1] == over[0] == pytest.approx(-over[2], rel=1e-12)
     assert np.array(steps) @ np.array(rates) == pytest.approx(over, rel=1e-12)
     assert np.dot(steps, flows) == pytest.approx(over[0], rel=0.03)
 
 
 def test_what_seeps_below_the_level_is_not_counted():
+    """The faces say the same of the whole; of its parts to what the particles mix over half a cell at the crest."""
     sim = spill("porous")
     seeped = over = 0.0
     while sim.time < 0.8:
@@ -329,8 +417,9 @@ def test_what_seeps_below_the_level_is_not_counted():
         over += sim.step_size * sample["discharge"][2]
     everything, above, _ = sample["overtopping_volume"]
     assert seeped > 0.1 * everything
-    assert everything - above == pytest.approx(seeped, rel=1e-12)
-    assert above == pytest.approx(over, rel=0.05)
+    assert everything == pytest.approx(seeped + over, rel=0.01)
+    assert everything - above == pytest.approx(seeped, rel=0.1)
+    assert above == pytest.approx(over, rel=0.1)
 
 
 def test_a_run_that_is_resumed_goes_on_counting():

@@ -17,13 +17,13 @@ from houle.flow import Flow
 from houle.geometry import Shape, shape_of
 from houle.grid import FloatArray, Grid, axes
 from houle.observe.bodies import BodyLoad
-from houle.observe.levels import Gauges, Phreatic
+from houle.observe.levels import Gauges, Phreatic, Profile
 from houle.observe.points import Sensors, at_points
 from houle.observe.runup import RunUp
 from houle.observe.sections import Overtopping, Section
 from houle.observe.surfaces import SIDES, SurfaceLoad, patches_of_side, patches_of_solid
 
-__all__ = ["Gauges", "Observers", "at_points", "levels_at", "stations"]
+__all__ = ["Gauges", "Observers", "Profile", "at_points", "levels_at", "stations"]
 
 Stations = dict[str, tuple[list[str], dict[str, list[float]]]]  # dimension: names, coordinates
 

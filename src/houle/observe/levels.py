@@ -10,25 +10,124 @@ from numpy.typing import NDArray
 from houle.flow import Flow
 from houle.geometry import Shape
 from houle.grid import FloatArray
-from houle.observe.profile import around, body_levels, mean_of_known
+from houle.observe.profile import Indices, SolidsAt, around, body_levels, mean_of_known
+
+THIN = 0.25  # cells of water on a solid that are not taken for its level: less than a layer of particles
+CLEAR = 2.0  # cells of water on a solid from which on the cells show its surface exactly
+
+
+class Columns:
+    """Levels of some columns of cells (C,), given by their flat numbers over the plan, as they are at their centres.
+
+    The core finds the free surface whatever solid may be there. Where one hangs over the water, and the room below is
+    full, the surface is not free but confined, and the level is the underside; where water stands on it, the level is
+    that of this water.
+    """
+
+    def __init__(self, flow: Flow, number: Indices) -> None:
+        grid, plan = flow.grid, flow.grid.shape[:-1]
+        self.number = number
+        at = [(i + 0.5) * h for i, h in zip(np.unravel_index(number, plan), grid.spacing, strict=False)]
+        self.solids = SolidsAt(grid, flow.medium, np.stack(at, axis=1))
+        self.ponds = Ponds(flow, self.solids, number)
+
+    def levels(self, flow: Flow) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Levels (C,) [m], NaN where dry; which (C,) are confined; which lie in a solid that stands on the floor."""
+        level = self.ponds.raise_(flow, flow.eta.ravel()[self.number])
+        confined, buried = np.zeros((2, len(level)), bool)
+        inside = self.solids.holds(level)
+        for solids, found in ((inside & self.solids.hangs, confined), (inside & ~self.solids.hangs, buried)):
+            found[self.solids.number[solids]] = True
+        level[self.solids.number[inside & self.solids.hangs]] = self.solids.low[inside & self.solids.hangs]
+        return level, confined, buried
+
+
+class Ponds:
+    """Water that stands on solids with room below, over the centres of some columns (C,)."""
+
+    def __init__(self, flow: Flow, solids: SolidsAt, column: Indices) -> None:
+        grid, nz = flow.grid, flow.grid.shape[-1]
+        self.at, self.top = solids.number[solids.hangs], solids.high[solids.hangs]
+        self.column = column[self.at]
+        h, k = grid.spacing[-1], np.arange(nz)
+        floor = np.floor(self.top / h + 1e-9).astype(int)[:, None]  # the cell in which it stands
+        inverse = flow.inverse_capacity.reshape(-1, nz)[self.column] * flow.medium.porosity.reshape(-1, nz)[self.column]
+        room = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
+        whole = room.max(axis=1, initial=1e-300, where=(k >= floor) & (k < floor + 3))[:, None]
+        away = np.clip(self.top[:, None] / h - (k + 0.5), -1.0, 1.0)  # of the top from the centres [cells]
+        over = np.where(away < 0.0, 1.0 - 0.5 * (1.0 + away) ** 2, 0.5 * (1.0 - away) ** 2)  # of each tent, above it
+        self.height = h * np.minimum(room / whole, over)  # of the water on the solid in each tent when it is full
+        self.below, self.thin = k < floor, THIN * h
+
+    def raise_(self, flow: Flow, level: FloatArray) -> FloatArray:
+        """The levels (C,) [m], those under a pond replaced by its own, in a new array."""
+        found = level.copy()
+        if len(self.at) == 0:
+            return found
+        fill = flow.fill.reshape(-1, flow.grid.shape[-1])[self.column]
+        wet = np.logical_and.accumulate((fill >= 0.5) | self.below, axis=1)  # from the solid up without a gap
+        for _ in range(2):  # and what the surface leaves in the cells above
+            wet[:, 1:] |= wet[:, :-1]
+        depth = (fill * self.height * wet).sum(axis=1)
+        with np.errstate(invalid="ignore"):
+            seen = (depth <= self.thin) | ((found[self.at] > self.top) & (depth > CLEAR * self.thin / THIN))
+        found[self.at[~seen]] = (self.top + depth)[~seen]
+        return found
 
 
 class Gauges:
-    """Level of the free surface [m] above z = 0 at places in plan (N, d - 1), linear between columns; NaN when dry."""
+    """Level of the free surface [m] above z = 0 at places in plan (N, d - 1), linear between columns; NaN when dry.
+
+    A level is where water is, never inside a solid: under one whose room below is full it is the underside, where
+    water stands on it the level of that. Water that is confined beside a place has no level there.
+    """
 
     def __init__(self, flow: Flow, places: Sequence[Sequence[float]]) -> None:
         points = np.array(places, float).reshape(-1, flow.grid.dimension - 1)
-        self.column, self.weight = around(points, flow.grid)
+        column, self.weight = around(points, flow.grid)
+        number, at = np.unique(column, return_inverse=True)
+        self.columns, self.at = Columns(flow, number), at.reshape(column.shape)
+        self.solids = SolidsAt(flow.grid, flow.medium, points)
 
     def levels(self, flow: Flow) -> FloatArray:
-        return mean_of_known(flow.eta.ravel()[self.column], self.weight)
+        level, confined, _ = self.columns.levels(flow)
+        level, free = level[self.at], ~confined[self.at] & np.isfinite(level[self.at])
+        weight = np.where(free | ~free.any(axis=1, keepdims=True), self.weight, 0.0)
+        found = mean_of_known(level, weight / np.maximum(weight.sum(axis=1, keepdims=True), 1e-300))
+        return outside(self.solids, found, level, self.weight)
+
+
+class Profile:
+    """Level (columns) [m] at the centres of all columns of cells, as that of gauges there."""
+
+    def __init__(self, flow: Flow) -> None:
+        self.columns = Columns(flow, np.arange(flow.eta.size))
+
+    def levels(self, flow: Flow) -> FloatArray:
+        level, _, buried = self.columns.levels(flow)
+        level[buried] = np.nan
+        return level.reshape(flow.eta.shape)
+
+
+def outside(solids: SolidsAt, level: FloatArray, columns: FloatArray, weight: FloatArray) -> FloatArray:
+    """The levels (N,), those inside a solid moved to where the water is.
+
+    If most of the columns (N, K) around, by their weights, stand higher than the solid, on it; else the water is
+    confined below, at the underside; NaN where that is the floor.
+    """
+    inside = np.flatnonzero(solids.holds(level))
+    found, n = level.copy(), solids.number[inside]
+    on_top = mean_of_known(np.where(columns[n] >= solids.high[inside, None], columns[n], np.nan), weight[n])
+    below = np.where(solids.hangs[inside], solids.low[inside], np.nan)
+    found[n] = np.where(np.isnan(on_top), below, on_top)
+    return found
 
 
 class Phreatic:
     """Level [m] of the water in the pores of a body at places in plan (N, d - 1); NaN where they are dry.
 
     It is the first surface met on the way up, so that water which runs over a dry core is not taken for a full one,
-    and no higher than the body.
+    and no higher than the body, nor inside a solid.
     """
 
     def __init__(self, flow: Flow, shape: Shape, places: FloatArray) -> None:
@@ -38,10 +137,12 @@ class Phreatic:
         self.number = self.number.reshape(column.shape)
         self.closed = medium.open_cells.reshape(-1, grid.shape[-1])[self.columns] == 0.0
         self.bottom, self.top = body_levels(grid, medium, shape, places)
+        self.solids = SolidsAt(grid, medium, places)
 
     def levels(self, flow: Flow) -> FloatArray:
         depth = flow.depth.reshape(-1, flow.grid.shape[-1])[self.columns]
-        level = mean_of_known(first_surface(depth, self.closed, flow.grid.spacing[-1])[self.number], self.weight)
+        columns = first_surface(depth, self.closed, flow.grid.spacing[-1])[self.number]
+        level = outside(self.solids, mean_of_known(columns, self.weight), columns, self.weight)
         with np.errstate(invalid="ignore"):
             return np.where(level > self.bottom, np.minimum(level, self.top), np.nan)
 
@@ -49,14 +150,17 @@ class Phreatic:
 def first_surface(depth: FloatArray, closed: NDArray[np.bool_], h: float) -> FloatArray:
     """Level (N,) [m] of the lowest free surface of columns (N, nz), NaN where dry.
 
-    depth: of the cell centres below the surface, in cells (theory, eq. (8)); closed cells are passed.
+    depth: of the cell centres below the surface, in cells (theory, eq. (8)). Closed cells are passed; where the cells
+    under one are full the water is confined by it, and its level is their upper end.
     """
     rows, nz = np.arange(len(depth)), depth.shape[1]
     dry = (depth < 0.0) & ~closed
     first = np.where(dry.any(axis=1), dry.argmax(axis=1), nz)
     above = depth[rows, np.minimum(first, nz - 1)]
-    below, on_ground = depth[rows, first - 1], (first == 0) | closed[rows, first - 1]
+    last = np.where(~closed & (np.arange(nz) < first[:, None]), np.arange(nz), -1).max(axis=1)  # open cell below it
+    below = depth[rows, last]
     with np.errstate(divide="ignore", invalid="ignore"):
         between = first - 0.5 + below / (below - above)
     low = np.where(above > -0.5 + 1e-6, first + 0.5 + above, np.nan)  # less than half of the first cell
-    return h * np.where(first == nz, nz, np.where(on_ground, low, between))
+    confined = last + 1.0  # under closed cells
+    return h * np.where(last < 0, low, np.where(last == first - 1, np.where(first == nz, nz, between), confined))

@@ -13,12 +13,13 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.flow import Flow
-from houle.geometry import Shape, section
+from houle.geometry import Shape, section, spans_inside
 from houle.grid import FloatArray, Grid
 from houle.moments import edges
 from houle.porous import Medium, partition
 
 Indices = NDArray[np.intp]
+BESIDE = 1e-6  # [cells] what is solid on both sides of a line, so near, is so on the line
 
 
 def around(points: FloatArray, grid: Grid) -> tuple[Indices, FloatArray]:
@@ -89,6 +90,32 @@ def ground(grid: Grid, medium: Medium, x: FloatArray) -> FloatArray:
 def layer_at(spans: Sequence[tuple[float, float]], y: float) -> int:
     """The number of the layer that holds y [m]; 0 in 2D."""
     return next((i for i, (low, high) in enumerate(spans) if low <= y <= high), 0)
+
+
+class SolidsAt:
+    """The solids on upright lines at places (N, d - 1) in plan: number (K,) of the line, low and high (K,) ends [m].
+
+    From the lowest up. A line along the face of a solid is outside. hangs (K,): whether there is room below.
+    """
+
+    def __init__(self, grid: Grid, medium: Medium, places: FloatArray) -> None:
+        parts = partition(grid, medium.bodies, medium.solids)
+        spans, margin = [span for span, _, _ in parts], BESIDE * grid.spacing[0]
+        layer = np.array([layer_at(spans, p[1]) if len(p) == 2 else 0 for p in places], int)
+        found: list[tuple[int, float, float]] = []
+        for i in np.unique(layer):
+            solid, here = parts[i][1], np.flatnonzero(layer == i)
+            for x in [] if solid.is_empty else np.unique(places[here, 0]):
+                left, right = (spans_inside(solid, x + side * margin) for side in (-1, 1))
+                both = [(max(a, c), min(b, d)) for a, b in left for c, d in right if max(a, c) < min(b, d)]
+                found += [(int(n), a, b) for n in here[places[here, 0] == x] for a, b in both]
+        rows = np.array(found).reshape(-1, 3)
+        self.number, self.low, self.high = rows[:, 0].astype(int), rows[:, 1], rows[:, 2]
+        self.hangs = self.low > 0.0
+
+    def holds(self, level: FloatArray) -> NDArray[np.bool_]:
+        """Which of the solids (K,) the levels (N,) lie inside."""
+        return (level[self.number] > self.low) & (level[self.number] < self.high)
 
 
 def body_levels(grid: Grid, medium: Medium, shape: Shape, places: FloatArray) -> tuple[FloatArray, FloatArray]:
