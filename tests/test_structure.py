@@ -15,7 +15,8 @@ CORE = ROOT / "core"
 # stands; imports for type checking only do not count.
 LAYERS = (
     {"_core", "errors"},
-    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table"} | {"case_errors", "case_files"},
+    {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table", "history"}
+    | {"case_errors", "case_files"},
     {"resistance", "solids", "porous", "seeding", "columns", "room", "crest", "remesh", "viscosity", "workspace"}
     | {"tables", "waves", "sides"},
     {"flow", "driven", "paddle", "absorption", "transfer", "ledger"},

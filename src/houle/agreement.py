@@ -104,7 +104,7 @@ def _reflection_fits(case: Case) -> list[str]:
         for key, name in named
         if name not in place
     ]
-    start, structure = case.waves.start, asked.structure
+    start, structure = case.waves.place, asked.structure
     outside = [x for x in structure if not 0 <= x <= case.domain.size[0]]
     if outside:
         return [*found, f"reflection.structure: {outside[0]:g} m is outside the tank, 0 to {case.domain.size[0]:g}"]

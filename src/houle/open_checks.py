@@ -13,8 +13,9 @@ import shapely
 
 from houle.case import Case
 from houle.errors import CaseError
+from houle.history import shortcomings
 from houle.layout import Finding, Section
-from houle.sides import CROSSINGS, NEAR, Record, records
+from houle.sides import CROSSINGS, NEAR, Record, history, records
 from houle.tables.sides import Open
 from houle.wave_checks import columns
 
@@ -35,6 +36,10 @@ def open_sides_fit(s: Section) -> Iterator[Finding]:
             text = str(error)
             yield Finding("error", key, text.removeprefix(key) if text.startswith(key) else f": {text}")
             continue
+        if table.file is not None:
+            _, held = history(table, case.folder)
+            for level, text in shortcomings(held, case.time.end, table.gap):
+                yield Finding(level, f"{key}.file", f'= "{table.file}" {text}')
         found = list(_side(s, table, known[-1], key))
         yield from found
     if len(known) == len(case.open) > 0:

@@ -216,7 +216,7 @@ def _waves(axes: Any, case: Case, s: Section) -> None:
             )
         )
         if source:
-            axes.axvline(case.waves.start, color=colour, linewidth=1.4, linestyle=(0, (5, 2)))
+            axes.axvline(case.waves.place, color=colour, linewidth=1.4, linestyle=(0, (5, 2)))
     for low, high, words, hatch in bands:
         axes.axvspan(low, high, facecolor="none", edgecolor=colour, hatch=hatch, linewidth=0, alpha=0.45)
         for x in (low, high):

@@ -50,7 +50,7 @@ class Flume:
     def of(cls, case: Case) -> Flume:
         assert case.reflection is not None and case.waves is not None
         waves, structure, end = case.waves, case.reflection.structure, case.domain.size[0]
-        ends = waves.zone.x if waves.zone is not None else (waves.start,)
+        ends = waves.zone.x if waves.zone is not None else (waves.place,)
         maker = min(ends, key=lambda x: abs(structure[0] - x))
         towards = 1.0 if structure[0] > maker else -1.0
         wall = end if towards > 0 else 0.0

@@ -21,9 +21,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.csv_table import header, read_columns
+from houle.csv_table import header
 from houle.errors import CaseError, SimulationError
 from houle.grid import FloatArray, Grid
+from houle.history import History, read_history
 from houle.particles import Particles
 from houle.tables.sides import COLUMNS, Open
 from houle.waves.wave import Wave, ramp
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
 CROSSINGS = 4.0  # of the tank by a long wave, the response of a level: critical damping if its other end is closed
+LEAST = 2  # rows of a file
 THIN = 0.25  # of a half cell: less water at the surface belongs to the half cell below
 
 
@@ -49,20 +51,23 @@ class Record:
 
 def records(table: Open, folder: Path) -> dict[str, Record]:
     """What an open side prescribes, by the keys of COLUMNS. Raises CaseError."""
-    constant = {key: getattr(table, key) for key in COLUMNS if getattr(table, key) is not None}
     if table.file is None:
+        constant = {key: getattr(table, key) for key in COLUMNS if getattr(table, key) is not None}
         return {key: Record(np.zeros(1), np.array([value])) for key, value in constant.items()}
-    file, key = folder / table.file, f"open.{table.side}.file"
+    names, known = history(table, folder)
+    return {name: Record(known.time, value) for name, value in zip(names, known.values, strict=True)}
+
+
+def history(table: Open, folder: Path) -> tuple[list[str], History]:
+    """What the file of an open side holds: keys of COLUMNS, their values on the clock of the run. Raises CaseError."""
+    file, key = folder / str(table.file), f"open.{table.side}.file"
     there = {name: column for name, column in COLUMNS.items() if column in header(file, key)}
     if not there or {"velocity", "discharge"} <= set(there):
         raise CaseError(
             f"{key} = {file} needs a column t_s and one of velocity_m_s, discharge_m2_s, level_m, or level_m with one "
             f"of the others; it has {', '.join(there.values()) or 'none of them'}"
         )
-    (time, *values), rows = read_columns(file, ("t_s", *there.values()), key)
-    if len(time) < 2 or not np.all(np.isfinite(rows)) or np.any(np.diff(time) <= 0):
-        raise CaseError(f"{key} = {file} needs at least 2 rows of finite numbers with rising times; it has {len(time)}")
-    return {name: Record(time, value) for name, value in zip(there, values, strict=True)}
+    return list(there), read_history(file, tuple(there.values()), key, LEAST, table.start)
 
 
 @dataclass

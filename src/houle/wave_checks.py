@@ -19,10 +19,12 @@ from houle.case import Case
 from houle.case_errors import metres, place
 from houle.errors import CaseError
 from houle.grid import FloatArray
+from houle.history import shortcomings
 from houle.layout import Finding, Section
 from houle.tables.tank import Sponge
+from houle.waves import record
 from houle.waves.check import assess
-from houle.waves.makers import require_source, source_width
+from houle.waves.makers import LONGEST, SHORTEST, left_out, require_source, source_width
 from houle.waves.sponge import sides
 from houle.waves.table import Piston, Source, Zone
 from houle.waves.wave import Wave
@@ -32,6 +34,7 @@ LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths of a zone or a sponge: below
 SHORT = 0.5  # of a zone for periodic waves: below is an error
 NEARBY = 3.0  # depths in front of a piston where the water is to be even
 SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
+TOLD = 0.35  # of the rms of a record with its two ends, what a source leaves out: more is a warning
 SAMPLES = 51  # columns over a maker in which the depth is looked at
 
 Reach = tuple[float, float]
@@ -71,12 +74,35 @@ def waves_fit(s: Section) -> Iterator[Finding]:
         yield from _stones(s, wave)
     yield from _lid(s, wave)
     yield from _gauges(s, wave)
+    if table.kind == "series":
+        yield from _record(s, wave)
 
 
 def _told(level: Literal["error", "warning"], message: str) -> Finding:
     """A message as a finding; it may begin with the key that it is about."""
     named = re.match(r"(waves[.\w]*)(.+)", message, re.DOTALL)
     return Finding(level, named[1], named[2].removeprefix(" ")) if named else Finding(level, "waves", f": {message}")
+
+
+def _record(s: Section, wave: Wave) -> Iterator[Finding]:
+    """The record meets the clock of the run, has no holes; what a wall or a force leaves out of it."""
+    table, end = s.case.waves, s.case.time.end
+    assert table is not None and table.file is not None
+    known = record.read(s.case.folder / table.file, table.start)
+    lead = record.LEAD * float(known.time[-1] - known.time[0])
+    outside = f"{lead:.3g} s of half a cosine lead to still water"
+    for level, text in shortcomings(known, end, table.gap, 0.0, outside):
+        yield Finding(level, "waves.file", f'= "{table.file}" {text}')
+    parts = wave.components()
+    if isinstance(table.maker, Source) and parts is not None:
+        width = source_width(table.maker, table.kind, wave)
+        if share := left_out(parts, width):
+            text = (
+                f'= "{table.file}": a source {width:.3g} m wide leaves out its mean and what is not '
+                f"{SHORTEST * width:.3g} to {LONGEST * width:.3g} m long, {share:.1%} of the rms with what "
+                "leads to still water; waves.zone or waves.piston make them"
+            )
+            yield Finding("warning" if share > TOLD else "info", "waves.file", text)
 
 
 def _source(s: Section, wave: Wave) -> Iterator[Finding]:

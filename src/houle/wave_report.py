@@ -139,7 +139,7 @@ class Flume:
     def of(cls, case: Case, section: Section, wave: Wave) -> Flume:
         assert case.waves is not None
         source = isinstance(case.waves.maker, Source)
-        maker = reach(case, wave)[1] if not source else case.waves.start
+        maker = reach(case, wave)[1] if not source else case.waves.place
         near, size = case.domain.spacing, case.domain.size[0]
         piston, left = case.waves.piston, 0.0
         quiet = not source or any(s.box[0][0] <= near for s in case.sponge)

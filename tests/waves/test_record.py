@@ -80,8 +80,8 @@ def test_a_sine_is_one_wave():
 def test_a_record_is_read_by_the_names_of_its_columns(tmp_path):
     file = tmp_path / "ship.csv"
     file.write_text("# measured\nt_s, eta_m, other\n0, 0, 1\n0.5, 0.1, 2\n1.0, 0, 2\n1.5, -0.1, 3\n")
-    t, eta = read(file)
-    assert t.tolist() == [0, 0.5, 1.0, 1.5] and eta.tolist() == [0, 0.1, 0, -0.1]
+    known = read(file)
+    assert known.time.tolist() == [0, 0.5, 1.0, 1.5] and known.values[0].tolist() == [0, 0.1, 0, -0.1]
 
 
 @pytest.mark.parametrize(
@@ -111,3 +111,42 @@ def test_records_that_are_no_waves():
         series(T, 100 * ship(T), DEPTH, GRAVITY)
     with pytest.raises(WaveError, match="has to move"):
         series(T, 0 * T + 0.1, DEPTH, GRAVITY)
+
+
+def test_the_clock_of_the_file_is_shifted(tmp_path):
+    file = tmp_path / "ship.csv"
+    file.write_text("t_s,eta_m\n265,0\n265.5,0.1\n266.0,0\n266.5,-0.1\n")
+    assert read(file, 265.5).time.tolist() == [-0.5, 0, 0.5, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("rows", "kept"),
+    [
+        ("0,0\n1,0.1\n2,nan\n3,0\n4,0.1\n", [0, 1, 3, 4]),
+        ("nan,0\n0,0\n1,0.1\n3,0\n4,inf\n5,0\n", [0, 1, 3, 5]),
+        ("0,0\n1,0.1\n1,0.1\n3,0\n4,0.1\n", [0, 1, 3, 4]),
+        ("0,0\n1,0.1\n1.3,0\n4,0.1\n", [0, 1, 1.3, 4]),
+    ],
+)
+def test_rows_without_a_number_and_rows_that_stand_twice_are_left_out(tmp_path, rows, kept):
+    (tmp_path / "a.csv").write_text("t_s,eta_m\n" + rows)
+    assert read(tmp_path / "a.csv").time.tolist() == kept
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ("3,0\n2,0.1\n1,0\n0,0.1\n", r"2 s follows 3 s \(row 2\)"),
+        ("0,0\n1,0.1\nnan,5\n0.5,0\n2,0\n", r"0.5 s follows 1 s \(row 4\)"),
+        ("0,0\n1,0.1\n1,0.2\n2,0\n", r"1 s stands twice with other values \(row 3\)"),
+    ],
+)
+def test_times_that_do_not_rise_are_refused_with_their_row(tmp_path, rows, said):
+    (tmp_path / "a.csv").write_text("t_s,eta_m\n" + rows)
+    with pytest.raises(WaveError, match=said):
+        read(tmp_path / "a.csv")
+
+
+def test_one_tiny_step_does_not_make_millions_of_samples():
+    t = np.sort(np.append(T, 50.0 + 1e-7))
+    assert len(series(t, ship(t), DEPTH, GRAVITY, tolerance=0.0).components().k) < 3 * len(T)

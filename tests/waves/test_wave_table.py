@@ -27,7 +27,7 @@ def test_a_regular_wave_has_its_crest_at_the_origin():
     waves = table()
     wave = make(waves)
     assert wave.name == "fenton" and wave.reason and wave.elevation(0.0, 0.0) == pytest.approx(wave.crest)
-    assert isinstance(waves.maker, Source) and waves.maker.side == "both" and waves.start == 2.0
+    assert isinstance(waves.maker, Source) and waves.maker.side == "both" and waves.place == 2.0
     assert waves.ramp_time() == pytest.approx(2.4) and table(ramp=0.0).ramp_time() == 0
 
 
@@ -40,7 +40,7 @@ def test_every_theory_and_kind_of_the_table_is_there():
 
 def test_a_zone_starts_at_its_left_end_and_stands_alone():
     assert isinstance(table(source=..., zone={"x": [0.0, 1.5]}).maker, Zone)
-    assert table(source=..., zone={"x": [0.0, 1.5]}).start == 0.0
+    assert table(source=..., zone={"x": [0.0, 1.5]}).place == 0.0
     assert "source and zone are given together" in complaints(zone={"x": [0.0, 1.5]})
     assert "nothing makes the waves" in complaints(source=...)
     for places in ([1.0, 1.0], [3.0, 1.5]):

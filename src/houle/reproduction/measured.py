@@ -130,7 +130,7 @@ class WaveRun:
     def origin(self) -> float:
         """x [m] of the source, where the paper's flume begins."""
         assert self.run.case.waves is not None
-        return self.run.case.waves.start
+        return self.run.case.waves.place
 
     @property
     def depth(self) -> float:

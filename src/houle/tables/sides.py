@@ -28,6 +28,13 @@ class Open(Table):
         default=None,
         description="CSV beside the case file with column t_s and one or two of velocity_m_s, discharge_m2_s, level_m",
     )
+    start: float = Field(default=0.0, ge=-1e9, le=1e9, description="time in the file that is t = 0 of the run [s]")
+    gap: float | None = Field(
+        default=None,
+        gt=0,
+        description="longest time without a row in the file that a straight line may stand for; when left out, three "
+        "and a half usual steps [s]",
+    )
     ramp: float = Field(default=0.0, ge=0, description="time in which velocity or discharge grow from nothing [s]")
     response: float | None = Field(
         default=None,
@@ -47,6 +54,8 @@ class Open(Table):
             raise ValueError("velocity and discharge are given together: keep one of them")
         if self.file is None and "level" not in given and self.response is not None:
             raise ValueError("response belongs to level: remove it")
+        if self.file is None and (self.start or self.gap is not None):
+            raise ValueError(f"{'start' if self.start else 'gap'} belongs to file: remove it")
         if given == ["level"] and self.ramp:
             raise ValueError("ramp belongs to velocity and discharge: remove it, or give the level as a file")
         return self

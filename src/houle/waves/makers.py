@@ -12,6 +12,7 @@ from math import exp, log, pi, sqrt
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.grid import Faces, FloatArray, Grid
 from houle.waves.dispersion import frequency, group_velocity
@@ -23,6 +24,8 @@ from houle.waves.wave import Components, Wave, WaveError, ramp
 NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
 WIDTH, NARROW = 1.0, 0.25  # wavelengths: of a source for regular waves, for a spectrum with its short waves
 FIRM, HARD = 2.0, 8.0  # of a zone where it begins to damp, in the strength of a sponge; and at the wall, in that
+SHORTEST, LONGEST = 0.3, 16.0  # widths of a source: other waves of a record it does not make
+LEAVES = 0.5  # of the rms of a record with its two ends, what it leaves out at most: some 0.3 of any that is cut
 LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
 
 
@@ -253,14 +256,37 @@ def source_width(table: Source, kind: str, wave: Wave) -> float:
     return table.width or (WIDTH if kind == "regular" else NARROW) * wave.length
 
 
-def oscillations(wave: Wave, kind: str) -> Components:
-    """What a source can make: the components of the wave. Raises WaveError if they are not all of it."""
+def oscillations(wave: Wave, kind: str, width: float) -> Components:
+    """What a source of this width [m] can make: the components of the wave. Raises WaveError if they are not all of it.
+
+    Of a record it leaves out the mean and what does not suit its width, if that is little: see `left_out`.
+    """
     parts = wave.components()
     if parts is None:
         raise WaveError(f"waves.source cannot make a {kind} wave, which is no sum of cosines: take waves.zone")
-    if not parts.omega.all():
-        raise WaveError("waves.source cannot make the mean of the record, only what goes up and down: take waves.zone")
-    return parts
+    if kind == "series" and (share := left_out(parts, width)) > LEAVES:
+        low, high = SHORTEST * width, LONGEST * width
+        raise WaveError(
+            f"waves.source cannot make the mean of the record and what is not {low:.3g} to {high:.3g} m long, "
+            f"{SHORTEST:g} to {LONGEST:g} of its widths: {share:.0%} of the rms with what leads to still water, "
+            f"{LEAVES:.0%} at most; take waves.zone or waves.piston, another width, or a record without its mean"
+        )
+    return parts.chosen(_suits(parts, width)) if kind == "series" else parts
+
+
+def left_out(parts: Components, width: float) -> float:
+    """Share of the rms in waves so long or so short that a source of this width [m] would raise the water by depths.
+
+    Its potential goes as H/(k width), to one side as H/(k width)^2: at 16 widths 36 heights; for short waves, of which
+    it holds several, as exp(k^2/4 beta): at 0.3 widths 240 heights.
+    """
+    energy = parts.amplitude**2 * np.where(parts.omega > 0, 0.5, 1.0)
+    return float(np.sqrt(energy[~_suits(parts, width)].sum() / energy.sum()))
+
+
+def _suits(parts: Components, width: float) -> NDArray[np.bool_]:
+    turns = parts.k * width
+    return (turns * LONGEST >= 2 * pi) & (turns * SHORTEST <= 2 * pi)
 
 
 def is_finite(table: Waves, parts: Components) -> bool:
@@ -276,8 +302,9 @@ def is_finite(table: Waves, parts: Components) -> bool:
 def require_source(table: Waves, wave: Wave) -> None:
     """Raises WaveError if the source cannot make this wave. What it finds out is kept for the source."""
     assert isinstance(table.maker, Source)
-    if is_finite(table, oscillations(wave, table.kind)):
-        FiniteSource.force(wave, source_width(table.maker, table.kind, wave), table.maker.side)
+    width = source_width(table.maker, table.kind, wave)
+    if is_finite(table, oscillations(wave, table.kind, width)):
+        FiniteSource.force(wave, width, table.maker.side)
 
 
 def make_maker(
@@ -288,7 +315,8 @@ def make_maker(
         return RelaxationZone.of(table.zone, wave, grid, table.ramp_time(), wall)
     maker = table.source
     assert maker is not None
-    parts, width = oscillations(wave, table.kind), source_width(maker, table.kind, wave)
+    width = source_width(maker, table.kind, wave)
+    parts = oscillations(wave, table.kind, width)
     if is_finite(table, parts):
         return FiniteSource.of(wave, grid, maker.x, width, maker.side, table.ramp_time())
     if table.kind == "regular":

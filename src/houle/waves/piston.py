@@ -29,6 +29,7 @@ FEW = 4  # components up to which a motion is a sum of harmonics, not a spectrum
 RETURN = 10.0  # periods in which a wall that has given way comes back to rest
 LONG_PERIOD = 40.0  # sqrt(d/g): the longest that counts for this
 LONGEST = 1e-3  # kd of long waves
+TIMES = 2000  # at which the way of a record is looked at
 NODES = 12  # over the depth, for the mean velocity
 LAYERS = 40  # over the depth, in which the pressure of a steady wave is read
 LONG = 8 * pi**2 / 3  # H L^2 / d^3 from which on second order is not enough (Madsen 1971, J. Geophys. Res. 76, 8672)
@@ -69,16 +70,18 @@ class Motion:
     order: NDArray[np.int64]
     reading: Complex
     duration: float
+    drift: float = 0.0  # [m/s]: of the mean of a record, a long wave; with the slow harmonics it rests before and after
+    mean: float = 0.0  # [m], read of that
 
     def displacement(self, t: float) -> float:
         """[m] from rest."""
-        return self._sum(self.amplitude, t)
+        return self._sum(self.amplitude, t) + float(ramp(t, self.duration)) * self.drift * t
 
     def way(self, t: float, dt: float, offset: float) -> float:
         return self.displacement(t + dt) - self.displacement(t)
 
     def expected(self, t: float, offset: float, read: Reading) -> float:
-        return self._sum(self.reading, t)
+        return self._sum(self.reading, t) + float(ramp(t, self.duration)) * self.mean
 
     def _sum(self, amplitude: Complex, t: float) -> float:
         grown = float(ramp(t, self.duration))
@@ -90,7 +93,14 @@ class Motion:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Of few harmonics their sum; of a spectrum what 1 in 3000 waves goes beyond, 2 Hs / 2 of the displacement."""
+        """Of few harmonics their sum; of a spectrum what 1 in 3000 waves goes beyond, 2 Hs / 2 of the displacement.
+
+        Of a record with a mean, which it goes along with, its way until the record comes again.
+        """
+        if self.drift:
+            times = np.linspace(0.0, 2 * pi / float(np.diff(self.omega).min()), TIMES)
+            way = np.array([self.displacement(float(t)) for t in times])
+            return float((way - way[0]).min()), float((way - way[0]).max())
         size = np.abs(self.amplitude)
         far = float(size.sum() if len(size) <= FEW else min(size.sum(), 4 * np.sqrt(np.sum(size**2) / 2)))
         return -far, far
@@ -203,7 +213,11 @@ def double_harmonic(
 
 
 def linear_motion(parts: Components, depth: float, gravity: float, x: float, read: Reading, duration: float) -> Motion:
-    """First order, each component by itself; its crests pass x as those of the components would."""
+    """First order, each component by itself; its crests pass x as those of the components would.
+
+    The mean of a record is a long wave, with which the piston goes.
+    """
+    slow, parts = parts.mean, parts.moving
     there = parts.k * np.cos(parts.direction) * x + parts.phase
     wanted = parts.amplitude * np.exp(-1j * there)  # conjugate of e^(i (k x - omega t + phase)) at t = 0
     ways, readings = [], []
@@ -213,7 +227,10 @@ def linear_motion(parts: Components, depth: float, gravity: float, x: float, rea
         ways.append(elevation / (1j * c[0]))
         readings.append(elevation * np.sum(c / c[0] * read.of_modes(k)))
     ones = np.ones(len(ways), np.int64)
-    return Motion(parts.omega, np.array(ways), ones, np.array(readings), duration)
+    felt = slow * float(read.of_modes(np.array([LONGEST / depth + 0j]))[0].real)
+    return Motion(
+        parts.omega, np.array(ways), ones, np.array(readings), duration, slow * float(np.sqrt(gravity / depth)), felt
+    )
 
 
 class Law(Protocol):
@@ -289,8 +306,6 @@ def law_of(table: Waves, wave: Wave, rest: float, read: Reading) -> Law:
     parts, duration = wave.components(), table.ramp_time()
     if parts is None or (table.kind == "regular" and wave.height * wave.length**2 > LONG * wave.depth**3):
         return Follower(wave, rest, duration)
-    if not parts.omega.all():
-        raise WaveError("waves.piston cannot make the mean of the record, only what goes up and down: take waves.zone")
     if table.kind != "regular":
         return linear_motion(parts, wave.depth, wave.gravity, rest, read, duration)
     motion = linear_motion(parts.first, wave.depth, wave.gravity, rest, read, duration)

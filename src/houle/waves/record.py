@@ -14,25 +14,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.csv_table import read_columns
+from houle.history import History, read_history
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components, WaveError
 
-COLUMNS = ("t_s", "eta_m")
 LEAD = 0.15  # of the duration, on each side
 REST = 2.0  # durations of still water after it, before the Fourier series begins again
+LEAST = 4  # samples
+SHORT = 10  # per cent of the steps of an uneven record are no longer than those that it is interpolated on
 TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
 
 
-def read(file: Path) -> tuple[Array, Array]:
-    """Times [s] and elevations [m] of a CSV file: comment lines (#), a header t_s,eta_m, numbers. Raises WaveError."""
-    (time, eta), rows = read_columns(file, COLUMNS, "waves.file", WaveError)
-    if len(time) < 4 or not np.all(np.isfinite(rows)) or np.any(np.diff(time) <= 0):
-        raise WaveError(
-            f"waves.file = {file} needs at least 4 rows of finite numbers with rising times; it has {len(time)}"
-        )
-    return time, eta
+def read(file: Path, start: float = 0.0) -> History:
+    """Times [s], 0 at `start` of the file, and elevations [m] of its columns t_s, eta_m. Raises WaveError."""
+    return read_history(file, ("eta_m",), "waves.file", LEAST, start, WaveError)
 
 
 def series(
@@ -47,8 +43,8 @@ def series(
 ) -> Linear:
     """The wave whose elevation at x = `place` [m] is the record: times (N,) rising [s], elevations (N,) [m].
 
-    Even spacing is kept, uneven is interpolated linearly on the smallest step. height is its highest minus its lowest
-    level, period that of the most energetic component.
+    Even spacing is kept, uneven is interpolated linearly on a step that few are shorter than. height is its highest
+    minus its lowest level, period that of the most energetic component.
     """
     if not -depth < eta.min() <= eta.max() < 2 * depth:
         raise WaveError(
@@ -78,7 +74,7 @@ def _padded(time: Array, eta: Array) -> tuple[Array, Array, float]:
     steps = np.diff(time)
     dt = float(time[-1] - time[0]) / (len(time) - 1)
     if np.ptp(steps) > 1e-6 * dt:
-        dt = float(time[-1] - time[0]) / int(np.ceil((time[-1] - time[0]) / steps.min()))
+        dt = float(time[-1] - time[0]) / int(np.ceil((time[-1] - time[0]) / np.percentile(steps, SHORT)))
         even = time[0] + dt * np.arange(round((time[-1] - time[0]) / dt) + 1)
         time, eta = even, np.interp(even, time, eta)
     lead = max(4, round(LEAD * len(eta)))

@@ -40,9 +40,9 @@ TAKES: dict[str, tuple[str, ...]] = {
     "pierson-moskowitz": ("seed",),
     "tma": ("seed", "gamma"),
     "focused": ("seed", "gamma"),
-    "series": (),
+    "series": ("start", "gap"),
 }
-CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "focus")  # what only some kinds take
+CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # what only some kinds take
 MAKERS = ("source", "zone", "piston")
 ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
 
@@ -124,6 +124,15 @@ class Waves(Table):
     seed: int = Field(default=1, ge=0, description="of the random phases and frequencies: same seed, same sea")
     gamma: float = Field(default=spectra.GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
     file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
+    start: float = Field(
+        default=0.0, ge=-1e9, le=1e9, description="time in the file that is t = 0 of the run, series only [s]"
+    )
+    gap: float | None = Field(
+        default=None,
+        gt=0,
+        description="longest time without a sample in the file that a straight line may stand for; when left out, "
+        "three and a half usual steps [s]",
+    )
     focus: Focus | None = Field(
         default=None, description="where and when the crest of a focused or solitary wave stands"
     )
@@ -189,7 +198,7 @@ class Waves(Table):
         return next(m for m in (self.source, self.zone, self.piston) if m is not None)
 
     @property
-    def start(self) -> float:
+    def place(self) -> float:
         """Where the waves come from [m]: the middle of the source, the left end of the zone, the piston at rest."""
         return self.maker.x[0] if isinstance(self.maker, Zone) else self.maker.x
 
@@ -203,14 +212,15 @@ class Waves(Table):
 def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
     """The wave of the table; `folder` is where its file lies. Raises WaveError.
 
-    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.start`), the
-    crest of a solitary wave comes to its focus, or starts well before the maker.
+    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.place`) and is
+    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker.
     """
     angle = radians(table.direction)
     current = table.current * cos(angle)
     if table.kind == "series":
-        time, eta = record.read(folder / str(table.file))
-        return record.series(time, eta, table.depth, gravity, angle, place=table.start, current=current)
+        known = record.read(folder / str(table.file), table.start)
+        eta = known.values[0]
+        return record.series(known.time, eta, table.depth, gravity, angle, place=table.place, current=current)
     height, period = float(table.height or 0), float(table.period or 0)
     if table.kind == "regular":
         return carried(
@@ -223,7 +233,7 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
     if table.kind == "solitary":
         order = 3 if table.theory == "solitary-3" else 5
         wave = moved(solitary(height, table.depth, gravity, 0.0, angle, order), current)
-        crest = table.start - ARRIVES * wave.length / 2
+        crest = table.place - ARRIVES * wave.length / 2
         if table.focus is not None:
             crest = table.focus.x - wave.celerity * table.focus.time
         return moved(solitary(height, table.depth, gravity, crest, angle, order), current)

@@ -39,12 +39,28 @@ class Components:
         """The first of them alone."""
         return Components(*(part[:1] for part in (self.amplitude, self.omega, self.k, self.phase, self.direction)))
 
+    def chosen(self, which: NDArray[np.bool_]) -> Components:
+        """Some of them."""
+        parts = (self.amplitude, self.omega, self.k, self.phase, self.direction)
+        return self if which.all() else Components(*(part[which] for part in parts))
+
+    @property
+    def moving(self) -> Components:
+        """Those that go up and down: without the mean."""
+        return self.chosen(self.omega > 0)
+
+    @property
+    def mean(self) -> float:
+        """Level about which they go up and down [m]."""
+        still = self.omega == 0
+        return float(np.sum(self.amplitude[still] * np.cos(self.phase[still])))
+
     @property
     def energy_period(self) -> float:
         """T_m-1,0 = m_-1/m_0 of what goes up and down [s]."""
-        moves = self.omega > 0
-        energy = self.amplitude[moves] ** 2
-        return float(2 * pi * np.sum(energy / self.omega[moves]) / np.sum(energy))
+        parts = self.moving
+        energy = parts.amplitude**2
+        return float(2 * pi * np.sum(energy / parts.omega) / np.sum(energy))
 
     def elevation(self, x: ArrayLike, t: ArrayLike, y: ArrayLike = 0.0) -> Array:
         """The sum [m] at x, y [m] and t [s], broadcast against each other."""
