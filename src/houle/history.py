@@ -111,6 +111,6 @@ def _holes(known: History, end: float, gap: float | None) -> Iterator[Told]:
     yield (
         "error",
         f"has no sample between {before[i] + known.start:g} and {after[i] + known.start:g} s{more}, elsewhere one "
-        f"every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow it with "
-        f"gap = {size:.3g}",
+        f"every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow it "
+        f"with gap = {size:.3g}",
     )

@@ -24,9 +24,10 @@ from houle.layout import Finding, Section
 from houle.tables.tank import Sponge
 from houle.waves import record
 from houle.waves.check import assess
+from houle.waves.dispersion import group_velocity
 from houle.waves.makers import LONGEST, SHORTEST, left_out, require_source, source_width
 from houle.waves.sponge import sides
-from houle.waves.table import Piston, Source, Zone
+from houle.waves.table import Piston, Source, Waves, Zone
 from houle.waves.wave import Wave
 
 ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
@@ -35,6 +36,7 @@ SHORT = 0.5  # of a zone for periodic waves: below is an error
 NEARBY = 3.0  # depths in front of a piston where the water is to be even
 SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
 TOLD = 0.35  # of the rms of a record with its two ends, what a source leaves out: more is a warning
+GROUP = 0.95  # of the crest of a focused group, what its waves that are fast enough make
 SAMPLES = 51  # columns over a maker in which the depth is looked at
 
 Reach = tuple[float, float]
@@ -76,6 +78,8 @@ def waves_fit(s: Section) -> Iterator[Finding]:
     yield from _gauges(s, wave)
     if table.kind == "series":
         yield from _record(s, wave)
+    if table.focus is not None:
+        yield from _focus(s, wave)
 
 
 def _told(level: Literal["error", "warning"], message: str) -> Finding:
@@ -103,6 +107,54 @@ def _record(s: Section, wave: Wave) -> Iterator[Finding]:
                 "leads to still water; waves.zone or waves.piston make them"
             )
             yield Finding("warning" if share > TOLD else "info", "waves.file", text)
+
+
+def _focus(s: Section, wave: Wave) -> Iterator[Finding]:
+    """The crest comes together inside the tank, before the end of the run, and early enough away from the maker."""
+    table, case = s.case.waves, s.case
+    assert table is not None and table.focus is not None
+    x, time, size, end = table.focus.x, table.focus.time, case.domain.size[0], case.time.end
+    if not 0 <= x <= size:
+        text = f"= {x:g} lies outside the domain, 0 <= x <= {size:g} m.{metres(x, size)}"
+        yield Finding("error", "waves.focus.x", text)
+        return
+    if time > end:
+        yield Finding("error", "waves.focus.time", f"= {time:g} s is after the end of the run, time.end = {end:g} s")
+    left = table.source is not None and table.source.side == "left"
+    way = (table.place - x) if left else (x - table.place)
+    if way < 0:
+        text = f"= {x:g} m lies behind the maker at x = {table.place:g} m, whose waves go to the "
+        cure = f"left: x < {table.place:g}" if left else f"right: x > {table.place:g}"
+        more = ', or side = "left"' if table.source is not None and not left else ""
+        yield Finding("error", "waves.focus.x", f"{text}{cure}{more}")
+        return
+    arrives, earliest = _leaves(table, wave, way)
+    if time < earliest:
+        what = "the crest" if wave.components() is None else "the slow waves of the group"
+        text = (
+            f"= {time:g} s: {what} would have to pass the maker, {way:.3g} m away, at t = {time - arrives:.3g} s; "
+            f"time = {earliest + 0.005:.2f} or later"
+        )
+        yield Finding("error", "waves.focus.time", text)
+
+
+def _leaves(table: Waves, wave: Wave, way: float) -> tuple[float, float]:
+    """Time in which the crest comes from the maker over this way, and the earliest at which it can stand there [s].
+
+    A single wave needs the time of its front besides; a group a period, and its waves go with their group velocities,
+    the shorter the slower: as fast as those that GROUP of the crest is made of. A zone makes them at its middle.
+    """
+    parts = wave.components()
+    if parts is None:
+        arrives = way / wave.celerity
+        return arrives, arrives + wave.length / 2 / wave.celerity
+    if table.zone is not None:
+        way = max(0.0, way - (table.zone.x[1] - table.zone.x[0]) / 2)
+    speed = group_velocity(parts.k, wave.depth, wave.gravity) + table.current * np.cos(parts.direction)
+    order = np.argsort(-speed)
+    share = np.cumsum(parts.amplitude[order]) / parts.amplitude.sum()
+    arrives = way / float(speed[order][np.searchsorted(share, GROUP)])
+    return arrives, arrives + wave.period
 
 
 def _source(s: Section, wave: Wave) -> Iterator[Finding]:

@@ -204,3 +204,61 @@ def test_the_picture_shows_what_acts_on_the_water(good, tmp_path):
     colours = np.round(imread(tmp_path / "section.png")[..., :3] * 255).reshape(-1, 3)
     names = np.abs(colours - (0x4D, 0x6F, 0x8C)).max(axis=1) < 3  # of the maker and the sponges, line of the source
     assert names.sum() > (300 if GOOD[good].waves.source else 50)
+
+
+GROUP = {"kind": "focused", "period": 1.2, "height": 0.03, "depth": 0.25}
+CREST = {"kind": "solitary", "height": 0.05, "depth": 0.25}
+RIGHT = {"source": {"x": 4.0, "side": "right"}}
+TO_THE_LEFT = {"source": {"x": 6.0, "side": "left"}}
+ALL = {"zone": ZONE, "piston": {"piston": {"x": 1.0}}, "right": RIGHT, "left": TO_THE_LEFT}
+
+
+def focused(wave, maker, x, time, end=20.0):
+    tables = {
+        "case": {"name": "flume"},
+        "domain": {"size": [10.0, 0.4], "spacing": 0.02},
+        "water": [{"below": 0.25}],
+        "time": {"end": end},
+    }
+    return load({**tables, "waves": {**wave, **ALL[maker], "focus": {"x": x, "time": time}}})
+
+
+def of_focus(case):
+    return [(f.key, f.text) for f in checks.check(case) if f.key.startswith("waves.focus")]
+
+
+@pytest.mark.parametrize(
+    ("wave", "maker", "x", "earliest"),
+    [
+        (CREST, "zone", 7.0, 5.2),  # 7 m and acosh(10) / sqrt(3H/4d^3) = 1.93 m of its front, at 1.71 m/s
+        (CREST, "piston", 7.0, 4.65),
+        (GROUP, "piston", 4.0, 7.1),  # 3 m at 0.51 m/s, that of waves of 0.75 s, and a period
+        (GROUP, "right", 7.0, 7.1),
+        (GROUP, "left", 3.0, 7.1),
+        (GROUP, "zone", 4.25, 7.1),  # from the middle of the zone
+    ],
+)
+def test_a_focus_that_the_maker_cannot_reach_is_refused_with_the_earliest_time_that_can(wave, maker, x, earliest):
+    for time in (0.5, 0.9 * earliest):
+        ((key, text),) = of_focus(focused(wave, maker, x, time))
+        assert key == "waves.focus.time" and "pass the maker" in text
+    told = float(text.rpartition("time = ")[2].split()[0])
+    assert told == pytest.approx(earliest, rel=0.06)
+    assert of_focus(focused(wave, maker, x, told)) == []
+
+
+@pytest.mark.parametrize("maker", ALL)
+def test_a_focus_outside_the_tank_or_the_run_or_behind_the_maker_is_refused(maker):
+    inside = 2.0 if maker == "left" else 7.0
+    assert "after the end of the run" in of_focus(focused(GROUP, maker, inside, 15.0, end=10.0))[0][1]
+    for x in (12.0, -3.0):
+        assert "outside the domain" in of_focus(focused(GROUP, maker, x, 15.0))[0][1]
+    if maker != "zone":
+        behind = {"piston": 0.5, "right": 2.0, "left": 8.0}[maker]
+        assert "behind the maker" in of_focus(focused(GROUP, maker, behind, 15.0))[0][1]
+
+
+def test_what_a_source_sends_to_the_left_comes_together_where_it_is_asked_for():
+    case = focused(GROUP, "left", 3.0, 12.0)
+    wave = case.wave  # the wave of -x
+    assert wave.elevation(-3.0, 12.0) == pytest.approx(0.03, rel=1e-9)

@@ -213,14 +213,16 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
     """The wave of the table; `folder` is where its file lies. Raises WaveError.
 
     A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.place`) and is
-    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker.
+    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker. What a
+    source sends to the left is the wave of -x.
     """
     angle = radians(table.direction)
     current = table.current * cos(angle)
+    along = cos(angle) * (-1.0 if table.source is not None and table.source.side == "left" else 1.0)
     if table.kind == "series":
         known = record.read(folder / str(table.file), table.start)
         eta = known.values[0]
-        return record.series(known.time, eta, table.depth, gravity, angle, place=table.place, current=current)
+        return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
     height, period = float(table.height or 0), float(table.period or 0)
     if table.kind == "regular":
         return carried(
@@ -243,7 +245,7 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
             period,
             table.depth,
             gravity,
-            table.focus.x,
+            along * table.focus.x,
             table.focus.time,
             angle,
             table.seed,
