@@ -159,8 +159,8 @@ def _figure(case: Case) -> Figure:
     unique = dict(zip(labels, handles, strict=True))
     columns = min(5, len(unique))
     place: Any = {"loc": "outside lower center", "ncols": columns, "frameon": False}
-    for words in figure.legend(unique.values(), unique.keys(), **place).get_texts():
-        fitted(words, 9.6 / columns - 0.6)
+    for entry in figure.legend(unique.values(), unique.keys(), **place).get_texts():
+        fitted(entry, 9.6 / columns - 0.6)
     return figure
 
 

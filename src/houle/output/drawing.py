@@ -197,6 +197,14 @@ def fitted(text: Text, room: float) -> Text:
     return text
 
 
+def _room(panel: Axes) -> tuple[float, float]:
+    """Width and height of a panel [inches]."""
+    figure: Any = panel.figure
+    width, height = figure.get_size_inches()
+    place = panel.get_position()
+    return float(place.width * width), float(place.height * height)
+
+
 def _length(text: Text) -> float:
     """Of a line of a figure [inches], with a hundredth for the letters' hinting at another resolution."""
     figure: Any = text.figure
@@ -242,8 +250,8 @@ def as_numbers(values: Sequence[float]) -> list[str]:
 
 
 def headings(panel: Axes, left: str, right: str = "", mathematics: bool = False) -> Annotation:
-    """Above a panel: what it shows in bold, which is returned; a number beside it. Together no longer than the panel."""
-    room = panel.get_position().width * panel.figure.get_size_inches()[0]
+    """Above a panel, no longer than it: what it shows in bold, which is returned; a number beside it."""
+    room = _room(panel)[0]
     if right:
         beside = _beside(panel, (1, 1), (0, 5), right, ha="right", va="baseline", color=GREY, parse_math=mathematics)
         room -= _length(fitted(beside, 0.6 * room)) + 0.1
@@ -308,22 +316,27 @@ def draw_bodies(
         panel.add_patch(Polygon(body.outline, fc="none", ec="#d5ccb8", hatch="////", lw=0, zorder=0.6))
         dash: Any = (0, (4, 2)) if over else "-"
         panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
-        if words and body.words:
-            low, high = panel.get_ylim()
-            x, z = body.outline[:, 0].mean(), min(body.outline[:, 1].max(), high)
-            inside = z > high - 0.05 * (high - low)  # above the panel stands its title
-            ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
-            look: Any = {
-                "ha": "center",
-                "va": "top" if inside else "bottom",
-                "fontsize": SMALL,
-                "color": STONE_LINE,
-                "zorder": 5,
-                "bbox": ground,
-            }
-            panel.annotate(body.words, (x, z), (0, -3 if inside else 3), textcoords="offset points", **look)
+    if words:
+        _names(panel, [body for body in porous if body.words])
     for body in solid:
         panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
+
+
+def _names(panel: Axes, named: Sequence[Body]) -> None:
+    """The words of bodies over their tops, pushed apart where layers lie close, never above the panel."""
+    ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
+    look: Any = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": STONE_LINE, "zorder": 5, "bbox": ground}
+    low, high = panel.get_ylim()
+    tall = 72 * _room(panel)[1]  # points
+    tops = [tall * (body.outline[:, 1].max() - low) / (high - low) + 3.0 for body in named]
+    line = 1.35 * SMALL
+    for body, top, shift in zip(named, tops, apart(tops, line, 0.0, tall - line), strict=True):
+        at = (float(body.outline[:, 0].mean()), 0.0)
+        fitted(
+            panel.annotate(body.words, at, (0, top + shift), xycoords=panel.get_xaxis_transform(),
+                           textcoords="offset points", **look),
+            _room(panel)[0],
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -404,7 +417,7 @@ def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: floa
     to_points = 72.0 / panel.figure.dpi
     (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
     heights = [to_points * panel.transData.transform((0.0, y))[1] for y, _, _ in ends]
-    room = (1.0 - panel.get_position().x1) * panel.figure.get_size_inches()[0] - 8 / 72
+    room = (1.0 - panel.get_position().x1) / panel.get_position().width * _room(panel)[0] - 8 / 72
     for (y, words, colour), shift in zip(ends, apart(heights, points * 1.25, low, high), strict=True):
         name = panel.annotate(
             words,
