@@ -1,6 +1,7 @@
 // Bindings of surface, forces, projection, extrapolation, moving particles and sums.
 #include "advect.hpp"
 #include "bind.hpp"
+#include "crossing.hpp"
 #include "energy.hpp"
 #include "held.hpp"
 #include "projection.hpp"
@@ -38,13 +39,14 @@ static const Material* materials_of(const Field& table) {  // (K, 3)
 
 template <int D>
 static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const OptionalField& table, FaceFields& rate,
-                                   const OptionalListed& inverse_n2) {
+                                   const OptionalListed& energy, std::vector<Mask>& held) {
   Resistance<D> r;
   if (!table) return r;
   r.number = optional_faces(g, number, "number");
   r.table = materials_of(*table);
   r.rate = optional_faces(g, rate, "rate");
-  r.inverse_n2 = listed_of(g, inverse_n2, "inverse_n2");
+  r.energy = listed_of(g, energy, "energy");
+  r.held = optional_faces(g, held, "held");
   return r;
 }
 
@@ -73,8 +75,79 @@ static Obstacles<D> obstacles_of(const Grid<D>& g, const Outline& solids, const 
 }
 
 template <int D>
+static Crossing<D> crossing_of(const Grid<D>& g, FaceNumbers& number, const Field& table, const ListedField& contrast,
+                               std::vector<Mask>& held) {
+  return {ConstFaces<D, std::int32_t>(faces_of(g, number, "number")), materials_of(table),
+          listed_of<D>(g, contrast, "contrast"), optional_faces(g, held, "held")};
+}
+
+template <int D>
+static void bind_crossing(nb::module_& m) {
+  using G = const Grid<D>&;
+  m.def(
+      "sample_medium",
+      [](G g, FaceNumbers number, Field table, ListedField contrast, ListedField porosity, Field x, Field volume,
+         Field bulk, Array<float> inertia) {
+        const index n = points_of<D>(x, "position");
+        std::vector<Mask> none;
+        const auto medium = crossing_of<D>(g, number, table, contrast, none);
+        const Listed pores = listed_of<D>(g, porosity, "porosity");
+        require_size(volume.size(), n, "volume");
+        require_size(bulk.size(), n, "bulk");
+        require_size(inertia.size(), n * D, "inertia");
+        nb::gil_scoped_release release;
+        sample_medium<D>(g, n, medium, pores, x.data(), volume.data(), bulk.data(), inertia.data());
+      },
+      "grid"_a, "number"_a, "table"_a, "contrast"_a, "porosity"_a, "position"_a, "volume"_a, "bulk"_a, "inertia"_a,
+      "Bulk volume and inertia at the particles, linear from the cells and the faces.");
+  m.def(
+      "hold_faces",
+      [](G g, Mask active, ListedField open, ListedField contrast, double most, std::vector<Mask> held) {
+        require_cells(g, active.size(), "active");
+        const Listed o = listed_of<D>(g, open, "open"), c = listed_of<D>(g, contrast, "contrast");
+        const auto h = masks_of<D>(g, held);
+        nb::gil_scoped_release release;
+        hold_faces<D>(g, active.data(), o, c, most, h);
+      },
+      "grid"_a, "active"_a, "open"_a, "contrast"_a, "most"_a, "held"_a,
+      "Faces near porous ones where the pressure of the water on both sides holds its flux.");
+  m.def(
+      "carry",
+      [](G g, FaceNumbers number, Field table, ListedField contrast, std::vector<Mask> held, ListedField coefficient,
+         double dt, Field x, Field volume, Field bulk, Array<float> inertia, Field before, Field u) {
+        const index n = points_of<D>(x, "position");
+        const auto medium = crossing_of<D>(g, number, table, contrast, held);
+        const Listed C = listed_of<D>(g, coefficient, "coefficient");
+        for (const Field* f : {&volume, &bulk}) require_size(f->size(), n, "particle array");
+        require_size(inertia.size(), n * D, "inertia");
+        for (const Field* f : {&before, &u}) require_size(f->size(), n * D, "particle array");
+        nb::gil_scoped_release release;
+        carry<D>(g, n, medium, C, dt, x.data(), volume.data(), bulk.data(), inertia.data(), before.data(), u.data());
+      },
+      "grid"_a, "number"_a, "table"_a, "contrast"_a, "held"_a, "coefficient"_a, "dt"_a, "position"_a, "volume"_a,
+      "bulk"_a, "inertia"_a, "before"_a, "u"_a,
+      "Velocities of particles that nothing holds, with the energy they had.");
+  m.def(
+      "settle",
+      [](G g, FaceNumbers number, Field table, ListedField contrast, std::vector<Mask> held, FaceFields velocity,
+         Field x, Field u, OptionalField affine) {
+        const index n = points_of<D>(x, "position");
+        const auto medium = crossing_of<D>(g, number, table, contrast, held);
+        const auto v = ConstFaces<D>(faces_of(g, velocity, "velocity"));
+        require_size(u.size(), n * D, "u");
+        if (affine) require_size(affine->size(), n * D * D, "affine");
+        double* gradient = affine ? affine->data() : nullptr;
+        nb::gil_scoped_release release;
+        settle<D>(g, n, medium, v, x.data(), u.data(), gradient);
+      },
+      "grid"_a, "number"_a, "table"_a, "contrast"_a, "held"_a, "velocity"_a, "position"_a, "u"_a, "affine"_a.none(),
+      "Velocities of particles that nothing holds, with no more energy than the faces around them have.");
+}
+
+template <int D>
 static void bind(nb::module_& m) {
   using G = const Grid<D>&;
+  bind_crossing<D>(m);
   m.def(
       "column_heights",
       [](G g, Array<std::int32_t> start, Field x, Field volume, Field height, OptionalField paddles) {
@@ -146,10 +219,10 @@ static void bind(nb::module_& m) {
       "Water in the listed columns [m^d], cells under the surface being full.");
   m.def(
       "apply_forces",
-      [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalListed inverse_n2,
-         std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star, FaceFields drag,
-         FaceFields mobility) {
-        const auto r = resistance_of<D>(g, number, table, rate, inverse_n2);
+      [](G g, FaceFields u, FaceNumbers number, OptionalField table, FaceFields rate, OptionalListed energy,
+         std::vector<Mask> held, std::array<double, D> gravity, FaceFields extra, double dt, FaceFields star,
+         FaceFields drag, FaceFields mobility) {
+        const auto r = resistance_of<D>(g, number, table, rate, energy, held);
         const auto uu = ConstFaces<D>(faces_of(g, u, "velocity"));
         const auto ex = optional_faces(g, extra, "extra");
         const auto s = faces_of(g, star, "star");
@@ -158,13 +231,15 @@ static void bind(nb::module_& m) {
         nb::gil_scoped_release release;
         apply_forces<D>(g, uu, r, gravity.data(), ex, dt, s, d, b);
       },
-      "grid"_a, "u"_a, "number"_a, "table"_a.none(), "rate"_a, "inverse_n2"_a.none(), "gravity"_a, "extra"_a, "dt"_a,
-      "star"_a, "drag"_a, "mobility"_a, "Body forces, implicit porous resistance and Bernoulli term over one step.");
+      "grid"_a, "u"_a, "number"_a, "table"_a.none(), "rate"_a, "energy"_a.none(), "held"_a, "gravity"_a, "extra"_a,
+      "dt"_a, "star"_a, "drag"_a, "mobility"_a,
+      "Body forces, implicit porous resistance and Bernoulli term over one step.");
   m.def(
       "drag_work",
       [](G g, FaceNumbers number, Field table, FaceFields rate, FaceFields mass, FaceFields mobility, FaceFields before,
          FaceFields after) {
-        const auto r = resistance_of<D>(g, number, table, rate, std::nullopt);
+        std::vector<Mask> everywhere;
+        const auto r = resistance_of<D>(g, number, table, rate, std::nullopt, everywhere);
         const auto mm = ConstFaces<D>(faces_of(g, mass, "mass"));
         const auto mo = ConstFaces<D>(faces_of(g, mobility, "mobility"));
         const auto b = ConstFaces<D>(faces_of(g, before, "before")), e = ConstFaces<D>(faces_of(g, after, "after"));
@@ -382,12 +457,25 @@ static void bind(nb::module_& m) {
 
 static void bind_sums(nb::module_& m) {
   m.def(
+      "energy_factor",
+      [](Field volume, Field bulk, Array<float> inertia, Field factor) {
+        const index n = static_cast<index>(volume.size()), d = factor.ndim() == 2 ? factor.shape(1) : 0;
+        require_size(bulk.size(), n, "bulk");
+        require_size(factor.size(), n * d, "factor");
+        require_size(inertia.size(), n * d, "inertia");
+        if (d != 2 && d != 3) throw std::invalid_argument("factor must have shape (N, d)");
+        nb::gil_scoped_release release;
+        const auto energy = d == 2 ? energy_factor<2> : energy_factor<3>;
+        energy(n, volume.data(), bulk.data(), inertia.data(), factor.data());
+      },
+      "volume"_a, "bulk"_a, "inertia"_a, "factor"_a, "s^2 = C_r/n^2 of the particles along each axis (N, d).");
+  m.def(
       "kinetic_energy",
       [](Field bulk, std::optional<Array<float>> inertia, Field u) {
         const index n = static_cast<index>(bulk.size());
         if (u.ndim() != 2) throw std::invalid_argument("velocity must have shape (N, d)");
         require_size(u.shape(0), n, "velocity");
-        if (inertia) require_size(inertia->size(), n, "inertia");
+        if (inertia) require_size(inertia->size(), n * static_cast<index>(u.shape(1)), "inertia");
         const float* J = inertia ? inertia->data() : nullptr;
         nb::gil_scoped_release release;
         return u.shape(1) == 2 ? kinetic_energy<2>(n, bulk.data(), J, u.data())

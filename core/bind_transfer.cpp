@@ -79,19 +79,6 @@ static void bind(nb::module_& m) {
       },
       "grid"_a, "position"_a, "field"_a, "out"_a, "A cell field at the particles, linear.");
   m.def(
-      "sample_medium",
-      [](G g, Field x, Field volume, ListedField cell_porosity, ListedField cell_inertia, Field bulk,
-         Array<float> inertia) {
-        const index count = points_of<D>(x, "position");
-        const Listed n = listed_of(g, cell_porosity, "cell porosity"), J = listed_of(g, cell_inertia, "cell inertia");
-        for (const Field* f : {&volume, &bulk}) require_size(f->size(), count, "particle array");
-        require_size(inertia.size(), count, "inertia");
-        nb::gil_scoped_release release;
-        sample_medium<D>(g, count, x.data(), volume.data(), n, J, bulk.data(), inertia.data());
-      },
-      "grid"_a, "position"_a, "volume"_a, "cell_porosity"_a, "cell_inertia"_a, "bulk"_a, "inertia"_a,
-      "Bulk volume and inertia at the particles, linear from the cells.");
-  m.def(
       "to_faces",
       [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start, Field u,
          OptionalField affine, std::vector<Field> velocity, std::vector<Field> face_mass) {

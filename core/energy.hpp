@@ -72,13 +72,14 @@ inline double total(index n, const double* value) {
 }
 
 // 1/2 sum_p (V/n) J |u_d|^2, J = C_r/n: the energy whose rate is the work of forces less the drag, per unit density.
-// bulk (n,) V/n; inertia (n,) J at the particles, null in clear water.
+// bulk (n,) V/n; inertia (n, D) J at the particles along each axis, null in clear water.
 template <int D>
 inline double kinetic_energy(index n, const double* bulk, const float* inertia, const double* u) {
   return sum_by_four(n, [=](index p) {
     double s = 0.0;
-    for (int a = 0; a < D; ++a) s += u[D * p + a] * u[D * p + a];
-    return 0.5 * bulk[p] * (inertia ? static_cast<double>(inertia[p]) : 1.0) * s;
+    for (int a = 0; a < D; ++a)
+      s += (inertia ? static_cast<double>(inertia[D * p + a]) : 1.0) * u[D * p + a] * u[D * p + a];
+    return 0.5 * bulk[p] * s;
   });
 }
 

@@ -18,7 +18,8 @@ struct Resistance {
   ConstFaces<D, std::int32_t> number;  // of the material of each face, null: 0
   const Material* table = nullptr;     // null: clear water everywhere
   ConstFaces<D> rate;                  // further linear resistance of the faces [1/s], null: none
-  Listed inverse_n2;                   // cells <1/n^2>, null: 1
+  Listed energy;                       // cells <C_r/n^2>, null: 1
+  ConstFaces<D, std::uint8_t> held;    // where the Bernoulli force acts, null: everywhere
 };
 
 // What surrounds the faces of axis a on one row: of the other components the four faces around, and the cells about.
@@ -83,7 +84,7 @@ inline double phi1(double y) {
 
 // Body forces, porous resistance and Bernoulli term over one step, the pressure left for the projection (paper (13)):
 //
-//   C_r/n du/dt = f - (a + b |u| + sigma) u - grad p,    sigma = 1/2 u . grad(1/n^2)
+//   C_r/n du/dt = f - (a + b |u| + sigma) u - grad p,    sigma = 1/2 u . grad(C_r/n^2)
 //
 // by the exponential Rosenbrock-Euler step (Hochbruck & Ostermann 2010), exact for linear drag, of second order for
 // quadratic drag, with the exact steady state for any dt:  u1 = u0 + Phi dt c (f - grad p - R u0),  c = 1/<C_r/n>,
@@ -112,7 +113,8 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
     const std::int32_t* number = medium.number[a];
     const Material* table = medium.table;
     const double* rate = medium.rate[a];
-    const Listed cells = medium.inverse_n2;
+    const Listed cells = medium.energy;
+    const std::uint8_t* held = medium.held[a];
     const auto shape = g.face_shape(a);
     const index line = shape[up], nz = g.shape[up];
     const auto face = [=](const FaceRow<D, a>& row, index f, index k) {
@@ -125,8 +127,8 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
       const double c = 1.0 / m.inertia, A = m.darcy + (rate ? rate[f] : 0.0);
       double R = A, J = A;
       if (speed2 > 0.0) {
-        double sigma = 0.0;  // of grad(1/n^2): across the face in its own axis, central in the others
-        if (cells)
+        double sigma = 0.0;  // of grad(C_r/n^2): across the face in its own axis, central in the others
+        if (cells && (!held || held[f]))
           each_of<D>([&](auto axis_b) {
             constexpr int b = decltype(axis_b)::value;
             if constexpr (b == a) {

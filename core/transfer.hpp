@@ -144,20 +144,6 @@ inline void gather_cells(const Grid<D>& g, index n, const double* x, const doubl
   });
 }
 
-// The medium at the particles, linear from the cells: bulk volume V/n, inertia C_r/n. All arrays (n,) but
-// cell_porosity and cell_inertia (cells).
-template <int D>
-inline void sample_medium(const Grid<D>& g, index n, const double* x, const double* volume, const Listed& cell_porosity,
-                          const Listed& cell_inertia, double* bulk, float* inertia) {
-  const auto stride = Grid<D>::strides(g.shape);
-  parallel_for(n, [=](index p) {
-    Stencil<LinearKernel, D> st;
-    st.set_centres(g, x + D * p);
-    bulk[p] = volume[p] / st.template gather<-1>(stride, cell_porosity);
-    inertia[p] = static_cast<float>(st.template gather<-1>(stride, cell_inertia));
-  });
-}
-
 // What a transfer knows of the particles: positions (n, D), edge length `side` (n,) [m] for the Gaussians (may be null
 // for other kernels), mass (n,) the weight of the momentum, V/n.
 template <int D>

@@ -93,7 +93,7 @@ def beside(grid, axis, i):
     return low, tuple(first) if first[axis] < grid.shape[axis] else None
 
 
-def apply_forces(grid, u, inertia, darcy, forchheimer, inverse_n2, gravity, extra, dt):
+def apply_forces(grid, u, inertia, darcy, forchheimer, energy, gravity, extra, dt):
     """(star, drag, mobility, resisted): the exponential Rosenbrock-Euler step of core/forces.hpp, face by face."""
     d = grid.dimension
     star, drag, mobility, resisted = grid.faces(), grid.faces(), grid.faces(), grid.faces()
@@ -110,11 +110,11 @@ def apply_forces(grid, u, inertia, darcy, forchheimer, inverse_n2, gravity, extr
                     around = [u[b][(*c[:b], c[b] + s, *c[b + 1 :])] for c in cells for s in (0, 1)]
                     v[b] = np.mean(around)
             slope = np.zeros(d)
-            slope[a] = (inverse_n2[high] - inverse_n2[low]) / grid.spacing[a]
+            slope[a] = (energy[high] - energy[low]) / grid.spacing[a]
             for b in set(range(d)) - {a}:
                 for c in (low, high):
                     up, down = shifted(c, b, 1, grid) or c, shifted(c, b, -1, grid) or c
-                    slope[b] += (inverse_n2[up] - inverse_n2[down]) / (4.0 * grid.spacing[b])
+                    slope[b] += (energy[up] - energy[down]) / (4.0 * grid.spacing[b])
             sigma = 0.5 * v @ slope
             A, B, c = darcy[a][i], forchheimer[a][i], 1.0 / inertia[a][i]
             speed = sqrt(v @ v)

@@ -20,7 +20,7 @@ LAYERS = (
     {"resistance", "solids", "porous", "seeding", "columns", "room", "crest", "remesh", "viscosity", "workspace"}
     | {"tables", "waves", "sides"},
     {"flow", "driven", "paddle", "absorption", "transfer", "ledger"},
-    {"operations", "remeshing", "observe", "exchange"},
+    {"operations", "remeshing", "observe", "exchange", "budget"},
     {"step"},
     {"agreement", "case", "ceiling", "layout", "wave_checks", "open_checks", "paddle_checks", "checks", "laboratory"},
     {"simulation"},

@@ -13,7 +13,7 @@ from houle import _core
 from houle.columns import Capacity
 from houle.driven import Driven
 from houle.geometry import Box
-from houle.grid import Faces, FloatArray, Grid
+from houle.grid import Faces, FloatArray, Grid, widened
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.remesh import EVERYWHERE
@@ -89,6 +89,7 @@ class Flow:
         self.nodes = EVERYWHERE  # of the lattice of the particles along x, between paddles
         self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.crests: list[Crest] = []  # sections that book what crosses them
+        self.held = [np.zeros(u.shape, np.uint8) for u in self.velocity] if self.porous else []  # by pressure: faces
         self.push: Faces = []  # their accelerations [m/s2]
         self.pushed: dict[int, slice] = {}  # axes of the faces that they push, and which along x
         self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
@@ -120,6 +121,26 @@ class Flow:
         walls = tuple("no-slip" if side else "slip" for side in self.no_slip)
         return Smoothing(self.grid, walls, REACH * max(self.grid.spacing))
 
+    @property
+    def crossing(self) -> tuple:
+        """The medium as the core takes it for particles that cross from one porosity to another."""
+        return self.medium.material, self.medium.materials, self.medium.listed("contrast")
+
+    @cached_property
+    def edges(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Faces of each axis that have another inertia than one beside them, and those beside them (K, 2 d): flat."""
+        found = []
+        for faces in self.medium.on_faces(0) if self.porous else []:
+            number, beside = np.arange(faces.size).reshape(faces.shape), []
+            for axis, wraps in enumerate(self.grid.periodic):
+                wide = widened(number, axis, wraps)
+                beside += [np.moveaxis(part, 0, axis).ravel() for part in (wide[:-2], wide[2:])]
+            around = np.stack(beside, axis=1)
+            inertia = faces.ravel()
+            where = np.flatnonzero((inertia[around] != inertia[:, None]).any(axis=1))
+            found.append((where, around[where]))
+        return found
+
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
 
@@ -148,7 +169,8 @@ class Flow:
         self.work.resize(n)
         self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
         self._bulk = self.particles.volume.copy() if self.porous else None
-        self.inertia = np.ones(n, np.float32) if self.porous else None  # C_r / n at the particles
+        d = self.grid.dimension
+        self.inertia = np.ones((n, d), np.float32) if self.porous else None  # C_r / n at the particles, of each axis
 
     @property
     def bulk(self) -> FloatArray:
@@ -170,8 +192,8 @@ class Flow:
         """Bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            cells = (self.medium.listed("particle_porosity"), self.medium.listed("inertia"))
-            _core.sample_medium(core, p.position, p.volume, *cells, self._bulk, self.inertia)
+            porosity = self.medium.listed("particle_porosity")
+            _core.sample_medium(core, *self.crossing, porosity, p.position, p.volume, self._bulk, self.inertia)
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 
@@ -187,6 +209,12 @@ class Flow:
         known = [(v == 1).astype(np.uint8) for v in self.work.valid]
         _core.extrapolate(self.grid.core, 6, 2, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
         return change
+
+    @property
+    def energy_density(self) -> FloatArray:
+        """J u_d^2 of the particles along each axis (N, d), J = C_r/n: a new array [m2/s2]."""
+        square = self.particles.velocity**2
+        return square if self.inertia is None else self.inertia * square
 
     def kinetic_energy(self) -> float:
         return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)

@@ -52,6 +52,8 @@ class Ledger:
         self.source_work = 0.0  # given by wave makers
         self.open_work = 0.0  # of the pressure at open sides
         self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
+        self.given = 0.0  # by makers, moving walls and open sides, in the steps in which they gave
+        self._gave = 0.0  # by them, less what they took, since the start
         self.on_grid = False
         self.counted = ref(flow.particles)  # at the last operation; remeshing puts others in their place
 
@@ -85,6 +87,11 @@ class Ledger:
         self.kinetic, self.potential = self.flow.kinetic_energy(), self.flow.potential_energy()
         self.on_grid = False
 
+    def go_on(self) -> None:
+        """With the sums of a run that goes on."""
+        self.open()
+        self._gave = self.source_work + self.open_work + self.energy["exchange"]
+
     def close(self) -> None:
         """At the end of a step: to move with the same u_d to another porosity is to change V/n and C_r/n.
 
@@ -93,6 +100,14 @@ class Ledger:
         kinetic = self.kinetic
         self.open()
         self.energy["advection"] += self.kinetic - kinetic
+        gave = self.source_work + self.open_work + self.energy["exchange"]
+        self.given += max(gave - self._gave, 0.0)
+        self._gave = gave
+
+    @property
+    def start(self) -> float:
+        """Kinetic and potential energy at the start of the run [m^d m2/s2]."""
+        return self.kinetic + self.potential - sum(self.energy.values())
 
     @property
     def inflow(self) -> float:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 
 from houle import _core
@@ -17,6 +20,7 @@ from houle.waves.makers import Maker
 LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
 LEAST_DEPTH_CORRECTION = 0.2
 FULL_CORRECTION = 0.25  # Courant number of a step to which the share of the correction is applied
+MOST_CONTRAST = 100.0  # of C_r/n^2 at an interface that the Bernoulli force carries water across
 MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 
@@ -72,6 +76,9 @@ def find_surface(flow: Flow) -> None:
     )  # fmt: skip
     for paddle in flow.paddles:
         paddle.shut()
+    if flow.porous:
+        cells = (flow.medium.listed("open_cells"), flow.medium.listed("contrast"))
+        _core.hold_faces(core, flow.active, *cells, MOST_CONTRAST, flow.held)
 
 
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
@@ -100,7 +107,7 @@ def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
         nu += near.eddy_viscosity(p.position, flow.start, velocity, flow.bulk, flow.smagorinsky)
     change = dt * near.viscous_acceleration(p.position, flow.start, velocity, flow.bulk, nu)
     if flow.inertia is not None:
-        change /= flow.inertia[:, None]
+        change /= flow.inertia
     before = flow.kinetic_energy()
     p.velocity += change
     ledger.viscous_work += before - flow.kinetic_energy()
@@ -142,8 +149,8 @@ def drive(flow: Flow, dt: float) -> None:
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
-    resists = (m.material, m.materials, flow.damping, flow.listed("inverse_n2"))
-    resistance = resists if flow.resists else ([], None, [], None)
+    resists = (m.material, m.materials, flow.damping, flow.listed("energy"), flow.held)
+    resistance = resists if flow.resists else ([], None, [], None, [])
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt
     _core.apply_forces(
@@ -180,11 +187,26 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     )  # fmt: skip
     for plane in flow.driven:
         plane.impose(flow)
+    own = [u.ravel()[where] for u, (where, _) in zip(flow.velocity, flow.edges, strict=False)]
     _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
+    _limit_carried(flow, own)
     if flow.medium.closed_faces:
         _core.stop_at_solids(core, flow.medium.closed_faces, flow.velocity)
     _book_works(flow, dt, ledger)
+
+
+def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:
+    """Where the inertia of the faces changes, a velocity carried outwards has no more energy than the water there had,
+    or a face beside that has a pressure: u_d carried from clear water into pores would be many times that.
+    """
+    for axis, ((where, around), before) in enumerate(zip(flow.edges, own, strict=True)):
+        inertia = flow.medium.materials[flow.medium.material[axis].ravel(), 0]
+        u, known = flow.velocity[axis].ravel(), flow.work.valid[axis].ravel() == 1
+        beside = np.where(known[around], inertia[around] * u[around] ** 2, 0.0).max(axis=1, initial=0.0)
+        most = np.sqrt(np.maximum(beside, inertia[where] * before**2) / inertia[where])
+        carried = np.clip(u[where], -most, most)
+        u[where] = np.where(known[where], u[where], carried)
 
 
 def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
@@ -216,8 +238,37 @@ def move_paddles(flow: Flow) -> None:
         place_paddles(flow)
 
 
+def settle(flow: Flow, transfer: Transfer) -> None:
+    """Near porous faces where no pressure holds the water: particles take no more energy than the grid has there."""
+    if flow.porous:
+        p, affine = flow.particles, transfer.arrays.get("affine")
+        _core.settle(flow.grid.core, *flow.crossing, flow.held, flow.velocity, p.position, p.velocity, affine)
+
+
+@contextmanager
+def _crossing(flow: Flow, dt: float) -> Iterator[None]:
+    """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
+    and turn as C_r changes.
+    """
+    if not flow.porous:
+        yield
+        return
+    p, before = flow.particles, flow.work.spare
+    _core.energy_factor(p.volume, flow.bulk, flow.inertia, before)
+    yield
+    flow.sample_medium()
+    medium = (*flow.crossing, flow.held, flow.medium.listed("coefficient"))
+    state = (p.position, p.volume, flow.bulk, flow.inertia, before)
+    _core.carry(flow.grid.core, *medium, dt, *state, p.velocity)
+
+
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
+    with _crossing(flow, dt):
+        _move(flow, dt)
+
+
+def _move(flow: Flow, dt: float) -> None:
     p, before = flow.particles, _near_crests(flow, flow.particles.position)
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
@@ -228,9 +279,10 @@ def move(flow: Flow, dt: float) -> None:
 
 
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
-    """Particles from `start` with velocities of their own."""
-    position = flow.particles.position
-    _core.drift(flow.grid.core, start, velocity, porosity, flow.medium.outline, flow.gates, dt, position, flow.walls)
+    """Particles from `start` with velocities of their own. Without a porosity, a second time: the turn is done."""
+    position, m = flow.particles.position, flow.medium
+    with _crossing(flow, 0.0 if porosity is None else dt):
+        _core.drift(flow.grid.core, start, velocity, porosity, m.outline, flow.gates, dt, position, flow.walls)
 
 
 def arrive(flow: Flow, start: FloatArray, velocity: FloatArray, dt: float) -> None:

@@ -4,7 +4,8 @@ Everything is fixed in time and exact: shapes are polygons in the section, and w
 piecewise constant property over cells, over one-cell boxes around faces, or with the tent function (moments.py).
 Where shapes overlap, a solid replaces a porous body, and a porous body replaces those before it in the case.
 Resistance per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d; the acceleration is C_r Du/Dt with
-u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force <1 / n^2>.
+u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force <C_r / n^2>, the kinetic energy of water at
+a given Darcy velocity.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from houle.solids import ClosedFaces, Outline, closed_faces
 
 FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
+NEAR = 3  # cells from an interface, where water feels it and may come to within a step
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
 
 
@@ -45,12 +47,13 @@ class Medium:
     kind           cells  number of a column of each of `kinds` (int32): most cells lie in one body, or in clear water
     kinds          name -> values (K,) of
         porosity          mean n; 1 in clear water. A closed cell beside open ones has their mean, so that interpolation
-                          to points beside a solid sees no clear water inside it (the same holds for inverse_n2)
+                          to points beside a solid sees no clear water inside it (the same holds for the next three)
         particle_porosity n at the cell centres, between which that of the particles is linear: such that water
                           which fills it fills the tents as it does the pores of the structure (decision 0010)
         open_cells        open fraction of the volume, 0 where less than `CLOSED`
-        inverse_n2        <1 / n^2>
-        inertia           mean of <C_r / n> of the faces around the cell
+        energy            <C_r / n^2>
+        coefficient       <C_r>
+        contrast          largest over least <C_r / n^2> of the open cells around, three each way; 1: no interface near
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed; in single precision
     material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
@@ -86,15 +89,17 @@ class Medium:
 
         cells = _Mean(solid, inside, [over_cells] * grid.dimension)
         open_cells = np.where(cells.open < CLOSED, 0.0, cells.open)
-        inverse_n2 = _extend(cells.of([n**-2 for n in porosities], 1.0), open_cells, grid.periodic)
+        inertias = [b.inertia for b in bodies]
+        factors = [c / n**2 for c, n in zip(inertias, porosities, strict=True)]
+        energy, coefficient = (_extend(cells.of(v, 1.0), open_cells, grid.periodic) for v in (factors, inertias))
+        contrast = _contrast(energy, open_cells > 0.0, grid.periodic)
         material, materials = _list_materials(grid, bodies, solid, inside)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
-        inertia = _around_cells([materials[number, 0] for number in material]) if bodies else np.ones(grid.shape)
-        names = ("porosity", "particle_porosity", "open_cells", "inverse_n2", "inertia")
-        kind, kinds = _listed([porosity, particle_porosity, open_cells, inverse_n2, inertia])
+        names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast")
+        kind, kinds = _listed([porosity, particle_porosity, open_cells, energy, coefficient, contrast])
         open_faces = _open_faces(grid, open_cells, sections)
         outline = Outline.of(grid, solids)
         return cls(
@@ -129,8 +134,12 @@ class Medium:
         return self.kinds["open_cells"][self.kind]
 
     @property
-    def inverse_n2(self) -> FloatArray:
-        return self.kinds["inverse_n2"][self.kind]
+    def energy(self) -> FloatArray:
+        return self.kinds["energy"][self.kind]
+
+    @property
+    def contrast(self) -> FloatArray:
+        return self.kinds["contrast"][self.kind]
 
     def on_faces(self, column: int) -> Faces:
         """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
@@ -196,10 +205,15 @@ def _list_materials(
     return numbers, table
 
 
-def _around_cells(faces: Faces) -> FloatArray:
-    """Mean of the faces around each cell."""
-    parts = [0.5 * (np.delete(f, 0, axis=a) + np.delete(f, -1, axis=a)) for a, f in enumerate(faces)]
-    return sum(parts) / len(faces)  # type: ignore[return-value]
+def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool]) -> FloatArray:
+    """Largest over least of a positive cell field, over the open cells up to `NEAR` away along each axis; 1 if none."""
+    most, least = np.where(open_, energy, -np.inf), np.where(open_, energy, np.inf)
+    for axis, wraps in enumerate(periodic):
+        for _ in range(NEAR):
+            high, low = (widened(f, axis, wraps) for f in (most, least))
+            most = np.moveaxis(np.maximum(np.maximum(high[:-2], high[1:-1]), high[2:]), 0, axis)
+            least = np.moveaxis(np.minimum(np.minimum(low[:-2], low[1:-1]), low[2:]), 0, axis)
+    return np.divide(most, least, out=np.ones_like(energy), where=most > least)
 
 
 def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from houle import _core
 from houle.flow import SPRAY, Flow
+from houle.grid import FloatArray, widened
 from houle.particles import Particles
 from houle.remesh import Remesher
 from houle.transfer import Transfer
@@ -40,6 +41,7 @@ class Remeshing:
         flow.sample_medium()
         porosity, old = flow.porosity if flow.porous else None, flow.particles
         marks = [crest.marks(old.position) for crest in flow.crests]
+        energy = _energy(flow) if flow.porous else None
         flow.drop_work()
         for paddle in flow.paddles:
             paddle.to_lattice(old)
@@ -57,6 +59,8 @@ class Remeshing:
                 crest.handed(flow.particles.position, flow.particles.volume, new.velocity)
         flow.resize_particles()
         flow.sample_medium()
+        if energy is not None:
+            _take_made(flow, energy)
         transfer.renew(flow)
 
     def _go_on(self, flow: Flow, dt: float) -> float:
@@ -65,3 +69,36 @@ class Remeshing:
         fields = (flow.velocity, flow.work.face_mass, least, flow.listed("porosity"), self.travelled)
         ways = _core.travel(grid.core, dt, *fields)
         return max(way / h for way, h in zip(ways, grid.spacing, strict=True))
+
+
+def _cells(flow: Flow) -> NDArray[np.int64]:
+    """The cell of each particle, as a flat index (N,)."""
+    shape = flow.grid.shape
+    at = np.floor(flow.particles.position / flow.grid.spacing).astype(int)
+    return np.ravel_multi_index(tuple(np.clip(at, 0, np.array(shape) - 1).T), shape)
+
+
+def _energy(flow: Flow) -> FloatArray:
+    """Twice the kinetic energy in each cell and those around it [m^d m2/s2], per density."""
+    each = flow.bulk * np.sum(flow.energy_density, axis=1)
+    total: FloatArray = np.bincount(_cells(flow), each, flow.fill.size).astype(float).reshape(flow.grid.shape)
+    for axis, wraps in enumerate(flow.grid.periodic):
+        wide = widened(total, axis, wraps)
+        total = np.moveaxis(wide[:-2] + wide[1:-1] + wide[2:], 0, axis)
+    return total
+
+
+def _take_made(flow: Flow, before: FloatArray) -> None:
+    """Takes what remeshing has made of energy near interfaces where no pressure holds the water.
+
+    Water that is given to a node of another porosity with its u_d has C_r/n^2 there times the energy (section 7 of
+    docs/theory.md); in cells that are held the pressure pays for it.
+    """
+    held = np.ones(flow.grid.shape, bool)
+    for axis, faces in enumerate(flow.held):
+        held &= np.minimum(np.delete(faces, 0, axis=axis), np.delete(faces, -1, axis=axis)) > 0
+    after = _energy(flow)
+    made = (after > before) & ~held & (flow.medium.contrast > 1.0)
+    if made.any():
+        share = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=made))
+        flow.particles.velocity *= share.ravel()[_cells(flow), None]

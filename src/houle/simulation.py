@@ -12,6 +12,7 @@ import numpy as np
 
 from houle import _core
 from houle.absorption import Drive
+from houle.budget import Budget
 from houle.case import Case
 from houle.ceiling import first_rows, more_rows, raised
 from houle.errors import SimulationError
@@ -93,6 +94,7 @@ class Simulation:
         self._place_gates()
         arrange(self.flow, transfer)
         self.observers = Observers(case, self.flow)
+        self.budget = Budget(self.flow)
 
     @property
     def particles(self) -> Particles:
@@ -254,6 +256,7 @@ class Simulation:
                 f"water was lost: the volume has changed by {drift:.2e} of itself",
                 diagnosis="The volume carried by the particles is conserved to round-off; a change is a fault.",
             )
+        self.budget.check(self.flow, self.ledger, self.case.fluid.density)
 
     # ---- observing -----------------------------------------------------------------------------------------------
 
@@ -367,6 +370,7 @@ class Simulation:
             "pressure": flow.pressure,
             "psi": flow.psi,
             "volume0": np.array(ledger.volume0),
+            "given": np.array(ledger.given),
             **{name: np.array(getattr(ledger, name)) for name in WORKS},
             **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
             **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
@@ -399,6 +403,7 @@ class Simulation:
         for a, u in enumerate(flow.velocity):
             u[...] = state[f"face_velocity.{a}"]
         ledger.volume0 = float(state["volume0"])
+        ledger.given = float(state["given"])
         for name in WORKS:
             setattr(ledger, name, float(state[name]))
         for key, value in state.items():
@@ -420,7 +425,7 @@ class Simulation:
         if flow.paddles:
             place(flow)
         arrange(flow, self.step.transfer)
-        ledger.open()
+        ledger.go_on()
 
 
 def _set_off(case: Case, water: Particles) -> None:

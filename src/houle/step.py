@@ -24,6 +24,7 @@ from houle.operations import (
     move,
     move_paddles,
     project,
+    settle,
     sort,
     sph_viscosity,
     viscosity,
@@ -60,6 +61,7 @@ class Step:
             project(flow, kick, ledger)  # (15), (16)
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
+            settle(flow, self.transfer)
         with ledger.operation("advection"):
             move_paddles(flow)
             move(flow, dt)  # (17), with u_d / n
@@ -108,6 +110,7 @@ class PaperStep:
             project(flow, dt, ledger)  # (15), (16)
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
+            settle(flow, self.transfer)
         with ledger.operation("advection"):
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
             arrive(flow, start, mean, dt)  # (17): r + dt (u + u')/2 / n

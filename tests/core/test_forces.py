@@ -12,6 +12,7 @@ import reference_transfer
 from clouds import grids, numbered, random_faces, randoms
 from houle import _core
 from houle.grid import Grid
+from houle.resistance import inertia_coefficient
 from houle.validation.exact import PorousMedium, bernoulli_jump, duct_flow
 
 LEAST = 0.05
@@ -25,12 +26,12 @@ def listed(inertia, darcy, forchheimer):
     return [number.reshape(f.shape) for number, f in zip(every, inertia, strict=True)], np.concatenate(table)
 
 
-def forces(grid, u, medium, gravity, dt, extra=(), rate=()):
-    """(star, drag, mobility) of the core; medium: inertia, darcy, forchheimer (faces), inverse_n2 (cells)."""
+def forces(grid, u, medium, gravity, dt, extra=(), rate=(), held=()):
+    """(star, drag, mobility) of the core; medium: inertia, darcy, forchheimer (faces), energy = C_r/n^2 (cells)."""
     out = [grid.faces() for _ in range(3)]
     number, table = listed(*medium[:3]) if medium else ([], None)
-    inverse_n2 = numbered(medium[3]) if medium else None
-    _core.apply_forces(grid.core, u, number, table, list(rate), inverse_n2, gravity, list(extra), dt, *out)
+    energy = numbered(medium[3]) if medium else None
+    _core.apply_forces(grid.core, u, number, table, list(rate), energy, list(held), gravity, list(extra), dt, *out)
     return out
 
 
@@ -73,6 +74,20 @@ def test_forces_against_the_twin(grid, random, dt, pushed):
             np.testing.assert_allclose(a, b, rtol=1e-10, atol=1e-10)
     work = sum(float(np.sum(r * u0 * (u0 + u1))) for r, u0, u1 in zip(resisted, u, found[0], strict=True)) / 2
     assert drag_work(grid, medium, u, found[0], found[2]) == pytest.approx(work, rel=1e-9, abs=1e-12)
+
+
+@given(grids(most=5), randoms)
+def test_the_bernoulli_force_acts_on_held_faces_only(grid, random):
+    u, held = random_faces(grid, random), [(f < 0.5).astype(np.uint8) for f in random_faces(grid, random, 0.0, 1.0)]
+    medium = [random_faces(grid, random, *range_) for range_ in ((1.0, 4.0), (0.0, 20.0), (0.0, 50.0))]
+    jumps, gravity = random.uniform(1.0, 6.0, grid.shape), (0.0,) * grid.dimension
+    whole, none, found = (
+        forces(grid, u, (*medium, energy), gravity, 0.03, held=some)
+        for energy, some in ((jumps, ()), (grid.cells(1.0), ()), (jumps, held))
+    )
+    for fields in zip(whole, none, found, strict=True):
+        for on, off, got, where in zip(*fields, held, strict=True):
+            np.testing.assert_array_equal(got, np.where(where, on, off))
 
 
 @given(grids(most=5), randoms)
@@ -272,18 +287,20 @@ def test_still_water_feels_its_depth(theta, gravity):
     assert np.abs(star[1][:, :6]).max() < 1e-11 * gravity
 
 
-@pytest.mark.parametrize("n", [0.3, 0.49, 0.8])
+@pytest.mark.parametrize("n", [0.05, 0.1, 0.3, 0.49, 0.8])
 @pytest.mark.parametrize("q", [0.4, -0.4])
-def test_bernoulli_jump_of_the_pressure_at_porous_faces(n, q):
-    """Flow round a duct through a plug without drag: p drops by q^2/2 (1/n^2 - 1) where it enters, and recovers."""
+@pytest.mark.parametrize("added_mass", [0.0, 0.34])
+def test_bernoulli_jump_of_the_pressure_at_porous_faces(n, q, added_mass):
+    """Flow round a duct through a plug without drag: p drops by q^2/2 (C_r/n^2 - 1) where it enters, and recovers."""
     grid = Grid((16, 1), (0.1, 0.1), (True, False))
-    inverse_n2 = grid.cells(1.0)
-    inverse_n2[5:11] = n**-2
+    energy = grid.cells(1.0)
+    coefficient = inertia_coefficient(n, added_mass)
+    energy[5:11] = coefficient / n**2
     inertia = grid.faces(1.0)
-    inertia[0][[5, 11]], inertia[0][6:11] = 0.5 * (1.0 + 1.0 / n), 1.0 / n
+    inertia[0][[5, 11]], inertia[0][6:11] = 0.5 * (1.0 + coefficient / n), coefficient / n
     u = [grid.faces(q)[0], grid.faces()[1]]
     dt = 1e-7  # the force at the instant
-    medium = (inertia, grid.faces(), grid.faces(), inverse_n2)
+    medium = (inertia, grid.faces(), grid.faces(), energy)
     star, _, mobility = forces(grid, u, medium, (0.0, 0.0), dt)
     active, open_faces = np.ones(grid.shape, np.uint8), all_open(grid)
     k, e, rhs, p = grid.faces(), grid.cells(), grid.cells(), grid.cells()
@@ -291,7 +308,7 @@ def test_bernoulli_jump_of_the_pressure_at_porous_faces(n, q):
     solver = _core.PressureSolver2(grid.core)
     solver.setup(active, k, e)
     solver.solve(rhs, p, 1e-10 * np.abs(rhs).max(), 200)
-    jump = bernoulli_jump(q, n)
+    jump = bernoulli_jump(q, n, coefficient)
     assert p[2, 0] - p[8, 0] == pytest.approx(jump, rel=1e-4)
     assert p[14, 0] - p[8, 0] == pytest.approx(jump, rel=1e-4)
     assert np.ptp(p[:5]) < 1e-4 * jump and np.ptp(p[5:11]) < 1e-4 * jump

@@ -38,7 +38,14 @@ def all_fields(medium: Medium) -> list[np.ndarray]:
 @pytest.mark.parametrize(("shape", "size"), [((7, 5), (0.7, 0.4)), ((4, 3, 5), (0.4, 0.2, 0.5))])
 def test_clear_water_is_one_everywhere(shape, size):
     medium = Medium.build(Grid(shape, tuple(s / n for s, n in zip(size, shape, strict=True)), (False,) * len(shape)))
-    for ones in (medium.porosity, medium.open_cells, medium.inverse_n2, *medium.open_faces, *medium.on_faces(0)):
+    for ones in (
+        medium.porosity,
+        medium.open_cells,
+        medium.energy,
+        medium.contrast,
+        *medium.open_faces,
+        *medium.on_faces(0),
+    ):
         assert np.array_equal(ones, np.ones_like(ones))
     for zeros in (*medium.on_faces(1), *medium.on_faces(2), medium.body):
         assert not zeros.any()
@@ -105,7 +112,7 @@ def test_face_and_cell_averages_match_sampled_ones():
     for at in np.ndindex(*grid.shape):
         if medium.open_cells[at] > 0.1:
             check(medium.porosity[at], (np.array(at) + 0.5) * grid.spacing, field(0.49, 1.0), 0.51)
-            check(medium.inverse_n2[at], (np.array(at) + 0.5) * grid.spacing, field(0.49**-2, 1.0), 3.2)
+            check(medium.energy[at], (np.array(at) + 0.5) * grid.spacing, field(1.35 / 0.49**2, 1.0), 4.7)
 
 
 def test_a_wall_face_knows_only_the_half_cell_inside():
@@ -131,7 +138,7 @@ def test_a_prism_in_3d_is_the_same_as_its_section_in_2d():
     solid = shapely.Polygon([(0.5, 0.0), (0.96, 0.0), (0.96, 0.3)])
     two = Medium.build(flat, [PorousBody("b", Polygon(SLOPE, 2), **ROCK)], [Polygon(solid, 2)])
     three = Medium.build(deep, [PorousBody("b", Polygon(SLOPE, 3), **ROCK)], [Polygon(solid, 3)])
-    for name in ("porosity", "open_cells", "inverse_n2", "body"):
+    for name in ("porosity", "open_cells", "energy", "contrast", "body"):
         assert np.abs(getattr(three, name) - getattr(two, name)[:, None]).max() < ROUND_OFF, name
     for a3, a2 in ((0, 0), (2, 1)):
         assert np.abs(three.open_faces[a3] - two.open_faces[a2][:, None]).max() < ROUND_OFF
@@ -185,7 +192,7 @@ def test_solid_cells_continue_the_porosity_beside_them():
     grid = Grid((6, 4), (1.0, 1.0), (False, False))
     rock = PorousBody("rock", Box((0.0, 1.0), (6.0, 4.0)), **ROCK)
     medium = Medium.build(grid, [rock], [Box((0.0, 0.0), (6.0, 1.0))])
-    assert medium.porosity == pytest.approx(0.49) and medium.inverse_n2 == pytest.approx(0.49**-2)
+    assert medium.porosity == pytest.approx(0.49) and medium.energy == pytest.approx(1.35 / 0.49**2)
 
 
 def test_a_sloping_solid_pushes_back_with_its_full_face():

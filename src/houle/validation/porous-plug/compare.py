@@ -27,9 +27,10 @@ def compare(run: Run) -> list[Check]:
     assert body.box is not None
     (start, _), (stop, _) = body.box
     time, flux = series.time.values, series.velocity.sel(axis="x").mean("sensor").values
-    exact = duct_flow(time, medium(body, fluid), fluid.acceleration[0], run.case.domain.size[0], stop - start)
+    rock = medium(body, fluid)
+    exact = duct_flow(time, rock, fluid.acceleration[0], run.case.domain.size[0], stop - start)
     late = time >= 0.6 * time[-1]
-    scale = fluid.density * bernoulli_jump(float(flux[late].mean()), body.porosity)
+    scale = fluid.density * bernoulli_jump(float(flux[late].mean()), body.porosity, rock.inertia)
     x, pressure = series.sensor_x.values, series.pressure.transpose("sensor", "time").values[:, late]
 
     def at(where: float, part: np.ndarray) -> np.ndarray:

@@ -1,0 +1,163 @@
+// Water that crosses from one porosity to another: where the pressure holds it, and its energy where nothing does.
+//
+// Water of porosity n and inertia J = C_r/n has the kinetic energy 1/2 V s^2 u_d^2 per density, s^2 = J/n = C_r/n^2.
+// Deep under water the pressure makes what a crossing needs, and the Bernoulli force of forces.hpp carries it over. A
+// particle that no pressure holds keeps its energy by itself: s u_d stays, whatever the step (docs/decisions/0015).
+#pragma once
+
+#include "forces.hpp"
+#include "transfer.hpp"
+
+namespace houle {
+
+// The medium as particles that cross it meet it.
+template <int D>
+struct Crossing {
+  ConstFaces<D, std::int32_t> number;  // of the material of each face
+  const Material* table;
+  Listed contrast;                   // cells: by how much C_r/n^2 differs a few cells around; 1: not at all
+  ConstFaces<D, std::uint8_t> held;  // faces: 1 where the Bernoulli force acts
+
+  bool here(const Grid<D>& g, const double* x) const { return contrast[cell_of<D>(g, x)] > 1.0; }
+};
+
+// The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D) along each axis,
+// linear from its faces, so that to gather the particles' momentum on the faces makes no energy.
+template <int D>
+inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
+                          const double* volume, double* bulk, float* inertia) {
+  const auto stride = face_strides(g);
+  const auto cells = Grid<D>::strides(g.shape);
+  parallel_for(n, [=](index p) {
+    Stencil<LinearKernel, D> st;
+    st.set(g, x + D * p);
+    bulk[p] = volume[p] / st.template gather<-1>(cells, porosity);
+    each_of<D>([&](auto a) {
+      double sum = 0.0;
+      st.template each<a>(stride[a],
+                          [&](index f, double w, double) { sum += w * medium.table[medium.number[a][f]].inertia; });
+      inertia[D * p + a] = static_cast<float>(sum);
+    });
+  });
+}
+
+// held (faces): 1 between two cells with no air around them, where the contrast is no more than `most`: there the
+// pressure on both sides holds the normal flux, and the Bernoulli force acts.
+template <int D>
+inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const Listed& contrast,
+                       double most, const std::array<std::uint8_t*, D>& held) {
+  const auto stride = Grid<D>::strides(g.shape);
+  const auto deep = [=](index c) {
+    return contrast[c] > 1.0 && contrast[c] <= most && active[c] && without_air(g, active, open, c);
+  };
+  for (int a = 0; a < D; ++a) {
+    const auto shape = g.face_shape(a);
+    std::uint8_t* out = held[a];
+    parallel_for_grid(g.faces(a), [=](index f) {
+      auto low = Grid<D>::unflat(f, shape), high = low;
+      low[a] = inside(low[a] - 1, g.shape[a], g.periodic[a]);
+      high[a] = inside(high[a], g.shape[a], g.periodic[a]);
+      out[f] = deep(Grid<D>::flat(low, stride)) && deep(Grid<D>::flat(high, stride));
+    });
+  }
+}
+
+// Share of the Bernoulli force in what particle p feels along axis a.
+template <int a, int D>
+inline double held_share(const Stencil<LinearKernel, D>& st, const std::array<std::array<index, D>, D>& stride,
+                         const ConstFaces<D, std::uint8_t>& held) {
+  double share = 0.0;
+  st.template each<a>(stride[a], [&](index f, double w, double) { share += w * held[a][f]; });
+  return share;
+}
+
+// s^2 (n, D) of particles, from V/n and the inertia that sample_medium() gives.
+template <int D>
+inline void energy_factor(index n, const double* volume, const double* bulk, const float* inertia, double* factor) {
+  parallel_for(n, [=](index p) {
+    for (int a = 0; a < D; ++a) factor[D * p + a] = inertia[D * p + a] * (bulk[p] / volume[p]);
+  });
+}
+
+// After particles have moved: where nothing holds them they keep s u_d; before (n, D): s^2 where they were. And where
+// C_r changes the velocity turns: C_r u along an interface is kept, which is a rotation of s u_d at the rate u x grad
+// C_r / (2 C_r), exact in energy. coefficient (cells): C_r; n is volume / bulk; dt: of the motion.
+template <int D>
+inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& coefficient, double dt,
+                  const double* x, const double* volume, const double* bulk, const float* inertia, const double* before,
+                  double* u) {
+  const auto stride = face_strides(g);
+  const auto cells = Grid<D>::strides(g.shape);
+  parallel_for(n, [=](index p) {
+    if (!medium.here(g, x + D * p)) return;
+    Stencil<LinearKernel, D> st;
+    st.set(g, x + D * p);
+    double w[D], root[D], slope[D] = {}, C = 0.0;
+    each_of<D>([&](auto a) {
+      const double left = 1.0 - held_share<a, D>(st, stride, medium.held);
+      const double now = inertia[D * p + a] * (bulk[p] / volume[p]);
+      root[a] = std::sqrt(now);
+      u[D * p + a] *= std::pow(before[D * p + a] / now, 0.5 * left);
+      w[a] = root[a] * u[D * p + a];
+    });
+    st.template each<-1>(cells, [&](index c, double weight, double, const std::array<int, D>& k) {
+      C += weight * coefficient[c];
+      for (int a = 0; a < D; ++a)
+        if (st.centre[a].weight[k[a]] > 0.0)
+          slope[a] += (k[a] ? 1.0 : -1.0) * weight / st.centre[a].weight[k[a]] * coefficient[c] / g.h[a];
+    });
+    const double rate = 0.5 * dt * bulk[p] / (volume[p] * C);  // dw/dt = rate (slope (w.u) - u (w.slope)) / dt
+    double turn[3] = {}, v[3] = {}, first[3] = {};
+    for (int a = 0; a < D; ++a) v[a] = w[a];
+    const auto at = [&](int a) { return a < D ? u[D * p + a] : 0.0; };
+    const auto to = [&](int a) { return a < D ? slope[a] : 0.0; };
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      turn[a] = rate * (at(b) * to(c) - at(c) * to(b));
+    }
+    const double size = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
+    if (size == 0.0) return;
+    for (int a = 0; a < 3; ++a) {  // Boris (1970): a rotation to round-off
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      first[a] = v[a] + 0.5 * (turn[b] * v[c] - turn[c] * v[b]);
+    }
+    for (int a = 0; a < D; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      u[D * p + a] = (v[a] + (turn[b] * first[c] - turn[c] * first[b]) / (1.0 + 0.25 * size)) / root[a];
+    }
+  });
+}
+
+// Velocities from the faces where nothing holds the particles and the inertia of the faces around one differs: linear,
+// and no more energy than the faces have there, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p = sum_f w_fp J_f. (A face of
+// much inertia and little speed beside one of little inertia and much speed makes energy else.) affine (n, D, D): a
+// gradient is kept to the share that is held; may be null.
+template <int D>
+inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFaces<D> velocity, const double* x,
+                   double* u, double* affine) {
+  const auto stride = face_strides(g);
+  parallel_for(n, [=](index p) {
+    if (!medium.here(g, x + D * p)) return;
+    Stencil<LinearKernel, D> st;
+    st.set(g, x + D * p);
+    each_of<D>([&](auto a) {
+      double mean = 0.0, inertia = 0.0, energy = 0.0, least = 1e300, most = 0.0;
+      st.template each<a>(stride[a], [&](index f, double w, double) {
+        const double J = medium.table[medium.number[a][f]].inertia, v = velocity[a][f];
+        mean += w * v;
+        inertia += w * J;
+        energy += w * J * v * v;
+        least = std::min(least, J);
+        most = std::max(most, J);
+      });
+      if (least == most) return;
+      const double share = held_share<a, D>(st, stride, medium.held), made = inertia * mean * mean;
+      if (made > energy) mean *= std::sqrt(energy / made);
+      u[D * p + a] = share * u[D * p + a] + (1.0 - share) * mean;
+      if (affine)
+        for (int b = 0; b < D; ++b) affine[D * D * p + D * a + b] *= share;
+    });
+  });
+}
+
+}  // namespace houle
