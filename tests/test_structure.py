@@ -26,7 +26,7 @@ LAYERS = (
     {"simulation"},
     {"output"},
     {"analysis"},
-    {"progress", "recorder", "bundle", "session", "preflight", "wave_report"}
+    {"progress", "recorder", "signals", "cores", "restart", "bundle", "session", "preflight", "wave_report"}
     | {"reflection", "wave_energy", "twin", "summary", "runner"},
     {"validation", "reproduction", "bench", "check_report", "describe", "new"},
     {"cli"},

@@ -92,11 +92,11 @@ def least(runs: Sequence[Measured]) -> Measured:
 
 def bench(threads: int | None = None, large: bool = False) -> list[list[Measured]]:
     """Measures on 1 and on `threads` threads (all cores if not given), prints a table per job, returns the numbers."""
-    import os
-
     from rich.console import Console
 
-    console, most = Console(), threads or os.cpu_count() or 1
+    from houle.cores import usable
+
+    console, most = Console(), threads or usable()
     found = []
     for job in JOBS + (LARGE if large else ()):
         runs: dict[int, list[Measured]] = {count: [] for count in (1, most)}

@@ -10,6 +10,7 @@ import atexit
 import functools
 import gc
 import io
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -219,10 +220,53 @@ def _changes(overrides: list[str] | None) -> dict[str, Any]:
     return dict(parse_override(text) for text in overrides or [])
 
 
+class Steady(io.TextIOWrapper):
+    """Standard output or error, which nobody may read any more (`| head`, a closed terminal): the rest is dropped."""
+
+    def write(self, text: str) -> int:
+        try:
+            return super().write(text)
+        except OSError:
+            self._drop()
+            return len(text)
+
+    def flush(self) -> None:
+        try:
+            super().flush()
+        except OSError:
+            self._drop()
+
+    def _drop(self) -> None:
+        """From now on, and what is still in the buffer, to where everything is lost."""
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self.fileno())
+        os.close(nowhere)
+
+
+def steady(stream: Any, number: int) -> Any:
+    """The stream, made steady; one that is closed leads nowhere. A letter that it does not know is no failure."""
+    if stream is None:
+        stream = open(number, "w", encoding="utf-8", errors="replace", closefd=False)  # noqa: SIM115
+    if not isinstance(stream, io.TextIOWrapper):
+        return stream
+    errors = "replace" if number == 1 else "backslashreplace"
+    encoding, lines = stream.encoding, stream.line_buffering or number == 2
+    return Steady(stream.detach(), encoding=encoding, errors=errors, line_buffering=lines)
+
+
+def open_descriptors() -> None:
+    """Gives 0, 1 and 2 to nowhere where they are closed, lest a file of results gets the number and the messages."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest number that is free
+
+
 def main() -> None:
     """Entry point of the command `houle`."""
     gc.set_threshold(250_000)  # what is imported stays: looking through it for garbage over and over costs 0.4 s a run
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="replace")  # a letter that a terminal or log does not know is no failure
+    open_descriptors()
+    sys.stdout, sys.stderr = steady(sys.stdout, 1), steady(sys.stderr, 2)
     atexit.register(gc.freeze)  # and at the end, when all is given back anyway, another 0.3 s
     app(prog_name="houle")

@@ -67,6 +67,12 @@ def read(file: Path) -> Points:
     return Points(time[order], x[order], eta[order])
 
 
+def instants(case: Case) -> list[float]:
+    """The times [s] of the laboratory points of a case, at which a run leaves a profile and a frame; none without."""
+    file = path(case)
+    return [] if file is None else read(file).times
+
+
 def level(surface: Data, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
     """Computed level [m] at x: linear between wet columns, ends carried on; linear in time if no profile is at `time`.
 

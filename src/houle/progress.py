@@ -8,6 +8,8 @@ from __future__ import annotations
 import os
 import sys
 from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, TextIO
@@ -85,15 +87,22 @@ class Silent:
 
 
 class Lines(Silent):
-    """Plain lines, every LINE_EVERY seconds: for log files and batch queues."""
+    """Plain lines, every LINE_EVERY seconds: for log files and batch queues.
+
+    If nobody reads any more (the terminal closed, `| head` has seen enough) the run goes on without a word.
+    """
 
     every = LINE_EVERY
 
     def __init__(self, stream: TextIO) -> None:
-        self.stream, self.next = stream, 0.0
+        self.stream, self.next, self.heard = stream, 0.0, True
 
     def say(self, text: str) -> None:
-        print(text, file=self.stream, flush=True)
+        if self.heard:
+            try:
+                print(text, file=self.stream, flush=True)
+            except (OSError, ValueError):
+                self.heard = False
 
     def start(self, simulation: Any, end: float) -> None:
         self.meter, self.simulation = Meter(end), simulation
@@ -121,7 +130,8 @@ class Bar(Lines):
         from rich.live import Live
 
         self.live = Live(console=Console(file=self.stream), auto_refresh=False)
-        self.live.start()
+        with self._heard():
+            self.live.start()
         super().start(simulation, end)
 
     def show(self, numbers: Numbers) -> None:
@@ -134,17 +144,26 @@ class Bar(Lines):
         first = Table.grid(padding=(0, 1))
         bar = ProgressBar(total=numbers.end, completed=numbers.time, width=30)
         first.add_row(f"t = {numbers.time:.3f} of {numbers.end:g} s", bar, numbers.share)
-        self.live.update(Group(first, Text(" · ".join(numbers.details))), refresh=True)
+        with self._heard():
+            self.live.update(Group(first, Text(" · ".join(numbers.details))), refresh=True)
 
     def stop(self) -> None:
         super().stop()
-        self.live.stop()
+        with self._heard():
+            self.live.stop()
+
+    @contextmanager
+    def _heard(self) -> Iterator[None]:
+        try:
+            yield
+        except (OSError, ValueError):
+            self.heard = False
 
 
 def reporter(progress: bool, stream: TextIO | None = None) -> Silent:
     """The one that fits: a bar when the stream (standard error if not given) is a terminal that can draw one."""
     stream = stream or sys.stderr
-    if not progress:
+    if not progress or stream is None:  # none where it was closed
         return Silent()
     return Bar(stream) if stream.isatty() and os.environ.get("TERM") != "dumb" else Lines(stream)
 

@@ -1,12 +1,14 @@
 """When a run writes what: series rows at exact multiples of `series_every`, frames at exact multiples of `every`.
 
-Frames are stop times: the step before is shortened to land on them. Series rows are not; they are interpolated linearly
+And frames at the instants that a comparison needs, whatever `every` is. Frames are stop times: the step before is
+shortened to land on them. Series rows are not; they are interpolated linearly
 between the samples of the steps around them, each quantity at its own instant (leapfrog: levels stand at the ends of
 steps, velocities in their middles). The samples of the last three steps are therefore part of the checkpoint.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -68,19 +70,38 @@ class Recorder:
     `finish()` writes the last one, at the end of a run.
     """
 
-    def __init__(self, outputs: Any, end: float, every: float, series_every: float) -> None:
+    def __init__(
+        self, outputs: Any, end: float, every: float, series_every: float, instants: Sequence[float] = ()
+    ) -> None:
         self.outputs, self.end, self.every, self.series_every = outputs, float(end), every, series_every
-        self.rows = self.frames = 0  # how many were written
+        self.instants = sorted(t for t in instants if SAME * every < t)  # [s]
+        self.rows = self.frames = 0  # how many rows were written, how many multiples of `every` are passed
         self.observed: list[Observed] = []  # the last three
 
     @property
     def stop(self) -> float:
-        """The time [s] of the next frame, which no step may pass: a multiple of `every`, or the end.
+        """The time [s] of the next frame, which no step may pass: a multiple of `every`, an instant, or the end.
 
-        The end where the two are the same but for round-off, 3 * 0.1: a step between them would be no step.
+        The later of two that are the same but for round-off, 0.3 and 3 * 0.1: a step between them would be no step.
         """
-        due = multiple(self.frames, self.every)
-        return due if due < self.end - SAME * self.every else self.end
+        same, now = SAME * self.every, self.last.time if self.observed else 0.0
+        stop = self.end
+        ahead = self.instants[bisect_right(self.instants, now + same) :]
+        for due in (multiple(self.frames, self.every), *ahead[:1]):
+            stop = due if due < stop - same else stop
+        return stop
+
+    @property
+    def written(self) -> list[float]:
+        """The times [s] of the frames up to now."""
+        now = self.last.time + SAME * self.every
+        regular = [multiple(k, self.every) for k in range(self.frames)]
+        between = [t for t in self.instants if t <= now and self._between(t)]
+        return sorted([*regular, *between])
+
+    def _between(self, time: float) -> bool:
+        """Whether an instant is not that of a multiple of `every`."""
+        return abs(time - multiple(round(time / self.every), self.every)) > SAME * self.every
 
     @property
     def last(self) -> Observed:
@@ -100,11 +121,16 @@ class Recorder:
 
     def step(self, simulation: Any, values: Sample) -> None:
         """The rows that are due, given its sample(), and the frame if this step ends on one."""
+        stop = self.stop
         self.observed = [*self.observed[-2:], Observed(simulation.time, simulation.step_size, values)]
         self._write_rows(self.observed[-2].time, simulation.lag)
-        if simulation.time >= self.stop:
+        if simulation.time >= stop:
             self.outputs.append_frame(simulation.frame())
-            self.frames += 1
+            self._count_frames()
+
+    def _count_frames(self) -> None:
+        """Of the time alone: after an end that was no multiple, too, where a run is prolonged."""
+        self.frames = int(self.last.time / self.every + SAME) + 1
 
     def finish(self, simulation: Any) -> None:
         """The rows up to the last step: of what lags, the line through its last two values goes on."""
@@ -126,7 +152,7 @@ class Recorder:
 
     def restore(self, state: dict[str, Any]) -> None:
         """Goes on from state(); names that are not the recorder's are left alone."""
-        self.rows, self.frames = int(state[PREFIX + "rows"]), int(state[PREFIX + "frames"])
+        self.rows = int(state[PREFIX + "rows"])
         self.observed = []
         while (key := f"{PREFIX}{len(self.observed)}.") + "time" in state:
             mark = key + "sample."
@@ -134,3 +160,4 @@ class Recorder:
                 k.removeprefix(mark): np.asarray(v, dtype=float) for k, v in state.items() if k.startswith(mark)
             }
             self.observed.append(Observed(float(state[key + "time"]), float(state[key + "step"]), values))
+        self._count_frames()

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cached_property
 from importlib.util import find_spec
 from numbers import Integral, Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 from houle.errors import CaseError
 from houle.progress import Silent, reporter
+from houle.signals import as_interrupts
 
 if TYPE_CHECKING:
     import xarray
@@ -21,12 +23,26 @@ if TYPE_CHECKING:
     from houle.case import Case
     from houle.session import Session
 
+P = ParamSpec("P")
 CASE_FILE = "case.toml"
+MOST_THREADS = 1 << 16
 PRICE_ACCURACY = 3.0  # of the guess of the disk space: a run is refused only if a third of it is not there
 
 
+def stoppable(action: Callable[P, Run]) -> Callable[P, Run]:
+    """Signals that ask a run to stop raise KeyboardInterrupt, also while it is not marching (there: signals.noted)."""
+
+    @functools.wraps(action)
+    def wrapped(*args: P.args, **options: P.kwargs) -> Run:
+        with as_interrupts():
+            return action(*args, **options)
+
+    return wrapped
+
+
+@stoppable
 def run(
-    case: Case | str | Path,
+    case: Case | str | Path | dict[str, Any],
     out: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     until: float | None = None,
@@ -35,9 +51,10 @@ def run(
 ) -> Run:
     """Computes a case and returns what it left.
 
-    case       a Case, a file, or the name of a shipped case; overrides are {"domain.spacing": 0.01}, as in houle.load
+    case       a Case, a file, the name of a shipped case, or a dict of its tables; overrides are
+               {"domain.spacing": 0.01}, as in houle.load
     out        the folder to write; if not given runs/<case name>, or runs/<case name>-2 and so on if that holds a run
-    threads    as many as the machine has if not given; the results do not depend on it
+    threads    as many cores as this process may use if not given, and never more; the results do not depend on it
     until      stop after the first step that reaches this time [s]; houle.resume goes on
     progress   say on standard error how far it is, and on standard output at the end where the time went
 
@@ -45,7 +62,7 @@ def run(
     SimulationError (the run failed; DIR/failure says why), session.Interrupted (Ctrl-C; a checkpoint was written).
     """
     says = reporter(progress)
-    says.say(f"houle: reading {case if isinstance(case, str | Path) else case.case.name}")
+    says.say(f"houle: reading {_called(case)}")
     from houle import checks, laboratory
     from houle.case import load
     from houle.session import Clock, Session
@@ -61,8 +78,9 @@ def run(
             says.say(f"warning: {finding}")
     if (points := laboratory.path(case)) is not None:
         laboratory.read(points)  # raises now rather than at the end
-    check_threads(threads, says)
+    threads = usable_threads(threads, says)
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
+    from houle.output.atomic import remove_leftovers
     from houle.output.lock import held
     from houle.simulation import Simulation
 
@@ -71,46 +89,50 @@ def run(
     says.say(f"houle: writing to {directory}")
     with held(directory):
         new_folder(case.case.name, directory)  # raises if another run was made there meanwhile
+        remove_leftovers(directory)
         session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
         session.manifest["case"]["file"] = None if case.path is None else str(case.path)
         return finish(session.begin(), until, progress)
 
 
+@stoppable
 def resume(
     directory: str | os.PathLike[str], threads: int | None = None, until: float | None = None, progress: bool = False
 ) -> Run:
     """Goes on from the newest good checkpoint of a run folder, bit for bit as if it had not stopped.
 
-    Arguments and errors are those of run(). A finished run is returned as it is.
+    What is lost or damaged beside it is told, written into run.json, and gone on without. A finished run is returned
+    as it is, or goes on past its end to a later `until` [s]. Arguments and errors are otherwise those of run().
     """
-    says, directory = reporter(progress), Path(directory)
+    says, directory = reporter(progress), checked_path(directory, "directory")
     says.say(f"houle: reading {directory}")
-    from houle.output import load_newest
+    from houle.output.atomic import remove_leftovers
     from houle.output.lock import held
+    from houle.restart import left, prolong, prolonged, restored
     from houle.session import Clock, Session
 
-    clock, done = Clock(), open_run(directory)
-    if done.summary["finished"]:
-        says.say(f"houle: {directory} is finished (t = {done.summary['time']:g} s); there is nothing to do")
-        return done
+    clock, (case, manifest, hashes) = Clock(), left(directory)
+    check_until(until, None)
+    finished = bool(manifest.get("finished"))
+    if finished and not (until is not None and until > case.time.end):
+        time = manifest["summary"]["time"]
+        says.say(f"houle: {directory} is finished (t = {time:g} s); there is nothing to do")
+        return Run(directory)
     with held(directory):
-        checkpoint = load_newest(directory)
-        if checkpoint is None:
-            raise CaseError(f"{directory} holds no good checkpoint. Start again with: houle run CASE --out DIR")
-        if checkpoint.meta["case_hash"] != done.case.hash:
-            raise CaseError(
-                f"{directory / CASE_FILE} is not the case that was run (it was changed, or houle is another version). "
-                "Put it back, or run the new case into a new folder: houle run CASE --out DIR"
-            )
-        check_until(until, checkpoint.meta["time"])
-        check_threads(threads, says)
-        says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
-        from houle.simulation import Simulation
-
+        remove_leftovers(directory)
+        if finished and until is not None:
+            longer = prolonged(case, until)
+            check_outputs(longer, directory)
+        threads = usable_threads(threads, says)
         with clock.stage("set-up"):
-            simulation = Simulation(done.case, threads)
-        session = Session(directory, done.case, simulation, threads, clock, says)
-        return finish(session.restore(checkpoint, done.manifest), until, progress)
+            simulation, checkpoint = restored(directory, case, hashes, threads, says)
+        check_until(until, checkpoint.meta["time"])
+        if finished and until is not None:
+            says.say(f"houle: prolonged from {case.time.end:g} s to {until:g} s")
+            case, manifest, hashes = prolong(directory, case, longer, manifest, hashes)
+        says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
+        session = Session(directory, case, simulation, threads, clock, says)
+        return finish(session.restore(checkpoint, manifest, hashes), until, progress)
 
 
 def once(case: Case, directory: Path, threads: int | None = None, progress: bool = False) -> Run:
@@ -133,9 +155,11 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
     at_end = session.march(until)
     try:
         return _evaluate(session, at_end, progress)
-    except KeyboardInterrupt:
-        text = f"Ctrl-C at t = {session.simulation.time:.4g} s, while the pictures were made; the water is computed. "
-        raise Interrupted(f"{text}Make what is missing with: houle resume {session.directory}") from None
+    except KeyboardInterrupt as stop:
+        raise Interrupted(
+            f"{stop or 'Ctrl-C'} at t = {session.simulation.time:.4g} s, while the pictures were made; the water is "
+            f"computed. Make what is missing with: houle resume {session.directory}"
+        ) from None
 
 
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
@@ -156,7 +180,8 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
         write_manifest(run.directory, session.summarise(finished=at_end, **more, wave_quality=card))
     run = Run(session.directory)
     if progress:
-        summary.show(run)
+        with suppress(OSError, ValueError):  # nobody reads it
+            summary.show(run)
     if not at_end:
         time = session.simulation.time
         session.says.say(f"houle: stopped at t = {time:g} s; go on with: houle resume {run.directory}")
@@ -168,9 +193,9 @@ def draw(run: Run, session: Session) -> None:
     session.says.say("houle: drawing pictures")
     grid = session.simulation.grid
     try:
-        from houle.output import movie, pictures
+        from houle.output import movie, pictures, series_table, surface_table
 
-        series, surface = session.outputs.series.table(), session.outputs.surface.table()
+        series, surface = series_table(run.directory), surface_table(run.directory)
         pictures.write_pictures(run.directory, run.case, grid, series, surface, run.fields)
         if run.case.output.movie:
             session.says.say("houle: drawing the film")
@@ -241,14 +266,34 @@ class Run:
 
 def open_run(directory: str | os.PathLike[str]) -> Run:
     """The run in this folder; CaseError if there is none."""
-    if not (Path(directory) / "run.json").exists():
-        raise CaseError(f"{directory} holds no run (no run.json). Give the folder that houle run wrote to")
-    return Run(directory)
+    folder = checked_path(directory, "directory")
+    if not (folder / "run.json").exists():
+        raise CaseError(f"{folder} holds no run (no run.json). Give the folder that houle run wrote to")
+    run = Run(folder)
+    run.manifest  # noqa: B018  (raises where it is none of ours)
+    return run
+
+
+def checked_path(path: Any, key: str) -> Path:
+    """A path that the system can take. Raises CaseError that names the key."""
+    if not isinstance(path, str | os.PathLike):
+        raise CaseError(f"{key} = {path!r} is not a folder: give a path, as text or pathlib.Path")
+    try:
+        found = Path(path)
+        found.absolute().lstat()
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError, TypeError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        if not isinstance(error, NotADirectoryError):
+            words = str(path) if len(str(path)) < 80 else f"{str(path)[:60]}... ({len(str(path))} letters)"
+            raise CaseError(f"{key} = {words!r} cannot be used: {reason.lower()}. Give another folder") from None
+    return found
 
 
 def new_folder(name: str, out: str | os.PathLike[str] | None) -> Path:
     """Where a new run goes; nothing is created. Without `out` the first of runs/name, runs/name-2, ... that is free."""
-    directory = Path(out) if out is not None else Path("runs", name)
+    directory = checked_path(Path("runs", name) if out is None else out, "out")
     if out is None:
         number = 2
         while holds_run(directory):
@@ -295,20 +340,40 @@ def check_outputs(case: Case, directory: Path) -> None:
         )
 
 
-def check_threads(threads: int | None, says: Silent) -> None:
-    """A whole number from 1 on; more threads than cores wait for each other."""
-    cores = os.cpu_count() or 1
-    if threads is not None and (not isinstance(threads, Integral) or threads < 1):
-        raise CaseError(f"threads = {threads!r}: give a whole number from 1 on, {cores} is best here, or leave it out")
-    if threads is not None and threads > cores:
-        says.say(f"warning: threads = {threads} on a machine of {cores} cores is much slower than {cores}")
+def usable_threads(threads: int | None, says: Silent) -> int | None:
+    """The number to use: no more than the cores there are for this process, where others would only wait."""
+    from houle import _core
+    from houle.cores import usable
+
+    cores, whole = usable(), isinstance(threads, Integral) and not isinstance(threads, bool)
+    if threads is not None and (not whole or not 1 <= threads <= MOST_THREADS):
+        wanted = repr(threads) if len(repr(threads)) < 40 else f"{repr(threads)[:8]}..."
+        raise CaseError(
+            f"threads = {wanted}: give a whole number from 1 to {MOST_THREADS}, {cores} is best here, or leave it out"
+        )
+    asked = threads or _core.get_threads()  # of OMP_NUM_THREADS, or what was set before
+    if asked <= cores:
+        return threads
+    there = os.cpu_count() or cores
+    those = f"{there} cores" if there <= cores else f"{there} cores, of which this process may use {cores}"
+    says.say(f"warning: threads = {asked} on a machine of {those}: {cores} are taken, more would wait for each other")
+    return cores
 
 
-def check_until(until: float | None, time: float) -> None:
-    if until is not None and not isinstance(until, Real):
+def check_until(until: float | None, time: float | None) -> None:
+    """A number, and later than the time [s] at which this stretch begins, if that is known."""
+    if until is not None and (not isinstance(until, Real) or isinstance(until, bool) or until != until):
         raise CaseError(f"until = {until!r} is not a number: give a time [s]")
-    if until is not None and not until > time:
+    if until is not None and time is not None and not until > time:
         raise CaseError(f"until = {until:g} s is not after t = {time:g} s, where this run begins. Give a later time")
+
+
+def _called(case: Any) -> str:
+    """What to call a case before it is read."""
+    if isinstance(case, Mapping):
+        head = case.get("case")
+        return str(head.get("name", "a dict")) if isinstance(head, Mapping) else "a dict"
+    return case.case.name if hasattr(case, "case") else str(case)
 
 
 def keep_case(case: Case, directory: Path) -> Case:

@@ -1,20 +1,20 @@
 """One stretch of a run, between a start of the program and its end: the loop, checkpoints, and every way to stop.
 
-The sequence of steps depends on the case alone. Steps are shortened only to land on frames (multiples of output.every);
-checkpoints, `until`, Ctrl-C and the wall clock decide when the loop stops, never how long a step is. A run that was
-stopped and resumed, or killed and resumed, therefore equals the uninterrupted one bit for bit.
+The sequence of steps depends on the case alone. Steps are shortened only to land on frames (multiples of output.every,
+and the instants of the laboratory); checkpoints, `until`, signals and the wall clock decide when the loop stops, never
+how long a step is. A run that was stopped and resumed, or killed and resumed, therefore equals the uninterrupted one
+bit for bit.
 """
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from houle import laboratory, signals
 from houle.bundle import as_failure, write_bundle
 from houle.ledger import WORKS
 from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from houle.case import Case
 
 CHECKPOINT_EVERY = 60.0  # s of wall time
-COMMIT_EVERY = 15.0  # s of wall time between two rewritings of series.nc and surface.nc, at some 0.2 s each
+COMMIT_EVERY = 15.0  # s of wall time between two commits of what has been observed
 
 
 class Interrupted(KeyboardInterrupt):
@@ -77,7 +77,8 @@ class Session:
     ) -> None:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         self.outputs = Outputs(directory, case, simulation.grid)
-        self.recorder = Recorder(self.outputs, case.time.end, case.output.every, case.output.series_every)
+        intervals = (case.output.every, case.output.series_every)
+        self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case))
         self.manifest = {**collect(case, threads), "porous": drag_of(case)}
         self.newest = Path()  # checkpoint
 
@@ -88,17 +89,27 @@ class Session:
         self.checkpoint()
         return self
 
-    def restore(self, checkpoint: Checkpoint, manifest: Mapping[str, Any]) -> Session:
-        """State, files and clock as they were at the checkpoint; `manifest` is what run.json says of the beginning."""
-        meta = checkpoint.meta
-        self.simulation.restore({k: v for k, v in checkpoint.state.items() if not k.startswith("recorder.")})
-        self.recorder.restore(checkpoint.state)
+    def restore(self, checkpoint: Checkpoint, manifest: Mapping[str, Any], hashes: Collection[str]) -> Session:
+        """Files and clock as they were at the checkpoint, from which the simulation has been restored.
+
+        manifest: what run.json says of the beginning; hashes: of the case, and as it was before it was prolonged.
+        What the files have lost is told and written down; the run goes on without it.
+        """
+        meta, recorder = checkpoint.meta, self.recorder
+        recorder.restore(checkpoint.state)
         with self.clock.stage("writing"):
-            self.outputs.truncate_after(self.recorder.last.time, self.recorder.last_row)
+            lost = self.outputs.truncate_after(
+                recorder.last.time, recorder.last_row, recorder.written, recorder.last.values, hashes
+            )
+        for text in lost:
+            self.says.say(f"warning: {text}")
         self.clock.add(meta)
         self.newest = checkpoint.path
         resumed = [*manifest.get("resumed", []), {"step": checkpoint.step, "started": self.manifest["started"]}]
-        self.manifest |= {"case": manifest["case"], "started": manifest["started"], "resumed": resumed}
+        self.manifest |= {k: manifest[k] for k in ("case", "started", "prolonged", "lost") if k in manifest}
+        self.manifest["resumed"] = resumed
+        if lost:
+            self.manifest["lost"] = list(dict.fromkeys([*manifest.get("lost", []), *lost]))
         return self
 
     def march(self, until: float | None) -> bool:
@@ -106,9 +117,9 @@ class Session:
         target = min(self.case.time.end, until if until is not None else self.case.time.end)
         self.says.start(self.simulation, target)
         try:
-            with stop_signals() as signals:
+            with signals.noted() as reasons:
                 due = perf_counter() + CHECKPOINT_EVERY
-                while self.simulation.time < target and not signals:
+                while self.simulation.time < target and not reasons:
                     self.step()
                     if perf_counter() >= due:
                         self.checkpoint()
@@ -116,9 +127,9 @@ class Session:
                 self.checkpoint(last=True)
         finally:
             self.says.stop()
-        if signals:
+        if reasons:
             raise Interrupted(
-                f"{signals[0]} at t = {self.simulation.time:.4g} s of {self.case.time.end:g} s; "
+                f"{reasons[0]} at t = {self.simulation.time:.4g} s of {self.case.time.end:g} s; "
                 f"a checkpoint is written. Go on with: houle resume {self.directory}"
             )
         return self.simulation.time >= self.case.time.end
@@ -180,29 +191,3 @@ class Session:
             **self.clock.read(simulation.timings),
             **more,
         )
-
-
-@contextmanager
-def stop_signals() -> Iterator[list[str]]:
-    """A list that gets the reason when Ctrl-C is pressed or SIGTERM comes; a second one stops at once.
-
-    Only in the main thread, where Python handles signals; elsewhere the list stays empty.
-    """
-    reasons: list[str] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield reasons
-        return
-    wanted: dict[int, str] = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
-    before = {number: signal.getsignal(number) for number in wanted}
-
-    def note(number: int, _: Any) -> None:
-        reasons.append(wanted[number])
-        signal.signal(number, before[number])
-
-    for number in wanted:
-        signal.signal(number, note)
-    try:
-        yield reasons
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from numbers import Real
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from houle.absorption import Drive
 from houle.budget import Budget
 from houle.case import Case
 from houle.ceiling import first_rows, more_rows, raised
-from houle.errors import SimulationError
+from houle.errors import CaseError, SimulationError
 from houle.flow import Flow
 from houle.frame import Frame
 from houle.geometry import shape_of
@@ -177,6 +178,8 @@ class Simulation:
 
     def advance(self, stop: float) -> None:
         """One time step, never past `stop` [s]; the last step to it is as long as those before."""
+        if not (isinstance(stop, Real) and self.time < stop < math.inf):
+            raise CaseError(f"stop = {stop!r} is not a time after t = {self.time:g} s: give a later one [s]")
         self._make_room()
         remaining, largest = stop - self.time, self._largest_step()
         count = max(1, math.ceil(remaining / largest - 1e-9))

@@ -103,7 +103,9 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
 
 
 def show(run: Run) -> None:
-    """Prints the tables on standard output."""
+    """Prints the tables on standard output, if it is open."""
+    if sys.stdout is None:
+        return
     bold, plain = ("\033[1m", "\033[0m") if sys.stdout.isatty() and os.name != "nt" else ("", "")
     for title, rows in sections(run.summary):
         right = title.startswith(("Where", "Energy", "Surface"))

@@ -1,9 +1,10 @@
-"""What a run writes. Every file is written whole under a temporary name, then renamed: kill -9 leaves readable files.
+"""What a run writes. What has a name is whole: kill -9 leaves readable files.
 
 For the runner (every failure of the file system is an OutputError: one message with path and cure):
 
     out = Outputs(directory, case, grid)   writes nothing yet; case: .gauge, .sensor, .case, .hash
-    out.truncate_after(time, row)          to resume: go on with the files there, what is after those times is dropped
+    out.truncate_after(time, row)          to resume: go on with the files there, what is after those times is dropped;
+                                           returns what is lost of them, in words
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
     out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
     out.commit()                           everything appended so far is in the files; call it before each checkpoint
@@ -33,7 +34,7 @@ A new writer: copy surface.py, add it to Outputs.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -110,14 +111,26 @@ class Outputs:
         for writer in (self.series, self.surface, self.fields):
             writer.close()
 
-    def truncate_after(self, time: float, row: float) -> None:
+    def truncate_after(
+        self,
+        time: float,
+        row: float,
+        frames: Sequence[float] = (),
+        sample: Mapping[str, Any] | None = None,
+        hashes: Collection[str] = (),
+    ) -> list[str]:
         """Resume at a checkpoint of this simulated time [s], whose last row of the series was at `row` [s].
 
-        What is later is dropped, the run writes it again.
+        What is later is dropped, the run writes it again. What should be there and is not is told in words, for it is
+        lost: frames are the times [s] of those written, sample is a row of the series, hashes are those of the cases
+        whose files they may be.
         """
-        self.series.truncate_after(row)
-        for writer in (self.surface, self.fields):
-            writer.truncate_after(time)
+        last = frames[-1] if frames else time
+        return [
+            *self.series.truncate_after(row, sample, hashes),
+            *self.surface.truncate_after(last, None, hashes),
+            *self.fields.truncate_after(time, frames, hashes),
+        ]
 
 
 def _about(case: Any) -> dict[str, str]:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
+import shutil
 from collections.abc import Callable, Iterator
+from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import h5py
 
@@ -27,6 +30,9 @@ _CURES = {
 }
 
 
+LEFTOVER = re.compile(r"\.[\w.-]+\.(tmp|next|former)\.(nc|vtkhdf|h5|json|toml|png|mp4|html|csv)")
+
+
 class OutputError(HouleError):
     """A result could not be written or read: the message gives the path, the reason and a cure."""
 
@@ -35,9 +41,41 @@ class OutputError(HouleError):
         self.path = Path(path)
 
 
+# What h5py, h5netcdf and our own reading raise about a file that is not as it was written
+DAMAGES = (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError, ArithmeticError, MemoryError)
+
+
+def told(error: BaseException) -> str:
+    """What was raised, in one line."""
+    words = " ".join(str(error).split())[:200]
+    return f"{type(error).__name__}: {words}" if words else type(error).__name__
+
+
+def remove(path: Path) -> None:
+    """The file is not there."""
+    with contextlib.suppress(FileNotFoundError):
+        path.unlink()
+
+
+def remove_leftovers(directory: Path) -> None:
+    """Removes what runs that were killed left half-written. Only who holds the folder may do it."""
+    for folder in (directory, directory / ".fields"):
+        for path in folder.glob(".*"):
+            if LEFTOVER.fullmatch(path.name):
+                with contextlib.suppress(OSError):
+                    path.unlink()
+    shutil.rmtree(directory / "failure.tmp", ignore_errors=True)
+
+
+def put_aside(path: Path) -> None:
+    """Gives what is damaged another name, if it is there at all."""
+    with reported(path), contextlib.suppress(FileNotFoundError):
+        os.replace(path, path.with_name(path.name + ".damaged"))
+
+
 @contextlib.contextmanager
 def reported(path: Path) -> Iterator[None]:
-    """Turn what the file system and HDF5 raise into OutputError about `path`."""
+    """Turn what the file system and HDF5 raise when they write into OutputError about `path`."""
     try:
         yield
     except OutputError:
@@ -93,12 +131,15 @@ def new_hdf5(path: Path, *, durable: bool = False) -> Iterator[h5py.File]:
 
 
 class Sink:
-    """A file for HDF5, which crashes when a write fails: takes everything, and tells of the first error at the end."""
+    """A file for HDF5, which crashes when a write fails: takes everything, and tells of the first error at the end.
 
-    def __init__(self, path: Path) -> None:
-        self.file = open(path, "w+b", buffering=0)  # noqa: SIM115
+    A new one, or with mode "r+b" the one that is there.
+    """
+
+    def __init__(self, path: Path, mode: Literal["w+b", "r+b"] = "w+b") -> None:
+        self.file: FileIO = open(path, mode, buffering=0)  # noqa: SIM115
         self.error: OSError | None = None
-        self.place = self.end = 0
+        self.place, self.end = 0, os.fstat(self.file.fileno()).st_size
 
     def __enter__(self) -> Sink:
         return self

@@ -1,7 +1,8 @@
 """checkpoint-<step>.h5: all that a run needs to go on bitwise as if it had not stopped. The newest two are kept.
 
-A checkpoint is on the disk before it gets its name, and carries a SHA-256 of its content: what a power cut, a full disk
-or a copy spoiled is found out and passed over, and the one before is taken.
+A checkpoint is on the disk before it gets its name, and carries a SHA-256 of its content and, in the block of the user
+in front, one of its bytes: what a power cut, a full disk or a copy spoiled is found out before HDF5 reads it and passed
+over, and the one before is taken.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.atomic import new_hdf5, reported
+from houle.output.atomic import DAMAGES, Sink, replacing, reported
 
 KEPT = 2
+BLOCK = 512  # bytes in front of the HDF5 file, which it leaves to the user
+WORDS = "houle checkpoint, HDF5 after this block of 512 bytes\nsha256 of the rest: "
 FORMAT = 1
 
 
@@ -39,12 +42,15 @@ def save_checkpoint(directory: Path, step: int, state: Mapping[str, Any], meta: 
     path = Path(directory) / f"checkpoint-{step}.h5"
     arrays = {name: np.asarray(value) for name, value in state.items()}
     text = json.dumps(dict(meta), sort_keys=True)
-    with new_hdf5(path, durable=True) as file:
-        file.attrs.update(format=FORMAT, step=step, sha256=_digest(arrays, text))
-        file["meta"] = text
-        group = file.create_group("state")
-        for name, array in arrays.items():
-            group.create_dataset(name, data=array)
+    with replacing(path, durable=True) as temporary:
+        with Sink(temporary) as sink, h5py.File(sink, "w", userblock_size=BLOCK) as file:
+            file.attrs.update(format=FORMAT, step=step, sha256=_digest(arrays, text))
+            file["meta"] = text
+            group = file.create_group("state")
+            for name, array in arrays.items():
+                group.create_dataset(name, data=array)
+        with open(temporary, "r+b") as whole:
+            whole.write(_seal(temporary))
     _prune(Path(directory), step)
     return path
 
@@ -63,15 +69,44 @@ def load_newest(directory: Path) -> Checkpoint | None:
 def load(path: Path) -> Checkpoint | None:
     """One checkpoint, or None when it is damaged or of a format this version does not know."""
     try:
+        if not _unbroken(path):
+            return None
         with h5py.File(path) as file:
             if file.attrs["format"] != FORMAT:
                 return None
-            state = {name: np.asarray(dataset[()]) for name, dataset in file["state"].items()}
+            state = {name: _values(dataset) for name, dataset in file["state"].items()}
             text = file["meta"].asstr()[()]
             step, digest = int(file.attrs["step"]), file.attrs["sha256"]
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError):
+        if digest != _digest(state, text):
+            return None
+        meta = json.loads(text)
+    except (*DAMAGES, RecursionError):
         return None
-    return Checkpoint(Path(path), step, state, json.loads(text)) if digest == _digest(state, text) else None
+    return Checkpoint(Path(path), step, state, meta) if isinstance(meta, dict) and step == _step(path) else None
+
+
+def _values(dataset: h5py.Dataset) -> NDArray:
+    """Raises ValueError where the numbers are not in the file, before memory is taken for them."""
+    if dataset.size and dataset.id.get_storage_size() != dataset.size * dataset.dtype.itemsize:
+        raise ValueError(f"{dataset.name} holds less than its shape says")
+    return np.asarray(dataset[()])
+
+
+def _seal(path: Path) -> bytes:
+    """The block in front: what this is, and the SHA-256 of the bytes behind it."""
+    total = hashlib.sha256()
+    with open(path, "rb") as file:
+        file.seek(BLOCK)
+        while piece := file.read(1 << 20):
+            total.update(piece)
+    return f"{WORDS}{total.hexdigest()}\n".encode().ljust(BLOCK, b"\0")
+
+
+def _unbroken(path: Path) -> bool:
+    """Whether the bytes are those that were written; a file of an earlier version does not tell."""
+    with open(path, "rb") as file:
+        start = file.read(BLOCK)
+    return start.startswith(b"\x89HDF") or start == _seal(path)
 
 
 def _digest(arrays: Mapping[str, NDArray], text: str) -> str:

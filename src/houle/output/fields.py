@@ -3,24 +3,28 @@
 HDF5 cannot append safely: a process killed while it writes may leave a file that nobody opens. So frames are kept in
 memory, compressed; `commit` puts them whole into a new file in the hidden folder `.fields` and replaces fields.vtkhdf
 by an index of virtual datasets that point there (a few kilobytes); `close` packs everything into one real file by
-copying the compressed chunks as they are, then removes the folder. The cost is linear in the number of frames.
+copying the compressed chunks as they are, then removes the folder. The cost is linear in the number of frames, so
+that of a long run the index is written less often: what it does not show yet, `read_fields` finds.
 """
 
 from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Mapping
+import time as clock
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Integral
 from pathlib import Path
 
 import h5py
 import numpy as np
 
+from houle.errors import CaseError
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
-from houle.output.atomic import OutputError, reported
+from houle.output.atomic import DAMAGES, OutputError, put_aside, remove, reported, told
 from houle.output.netcdf import Table
 from houle.output.surface import surface_table
 from houle.output.vtkhdf import (
@@ -33,10 +37,16 @@ from houle.output.vtkhdf import (
     compress,
     frames_in,
     read_values,
+    whole_frames,
 )
 
 NAME = "fields.vtkhdf"
+SHARE = 20.0  # of the time that fields.vtkhdf takes to write, until it is written again while the run goes on
 MOST = 64e6  # bytes of compressed frames in memory
+
+
+class NoFrameError(CaseError, IndexError):
+    """A frame was asked for that is not there."""
 
 
 class FieldsWriter:
@@ -49,6 +59,7 @@ class FieldsWriter:
         self.frames: list[Stored] = []  # on the disk, in parts
         self.pending: list[Stored] = []  # in memory, after them
         self._held, self._indexed = 0, 0  # bytes in memory; frames in fields.vtkhdf
+        self._due = 0.0  # when fields.vtkhdf may be written anew
         self._started = False
 
     def append(self, frame: Frame) -> None:
@@ -59,11 +70,14 @@ class FieldsWriter:
             self._part()
 
     def commit(self) -> None:
-        """fields.vtkhdf shows every frame, by reference."""
+        """Every frame is on the disk. fields.vtkhdf shows it, by reference: at once, or when that is worth its time."""
         if self.pending:
             self._part()
-        if self._indexed != len(self.frames):
+        begin = clock.monotonic()
+        if self._indexed != len(self.frames) and begin >= self._due:
             self._index()
+            end = clock.monotonic()
+            self._due = end + SHARE * (end - begin)
 
     def close(self) -> None:
         """fields.vtkhdf holds every frame and needs no other file. If there is no room, it goes on by reference."""
@@ -78,21 +92,46 @@ class FieldsWriter:
         self.frames, self.pending = frames_in(self.path), []
         shutil.rmtree(self.parts, ignore_errors=True)
 
-    def truncate_after(self, time: float) -> None:
-        """Go on with the frames on disk that are not after `time` [s]; the later ones are forgotten."""
+    def truncate_after(self, time: float, wanted: Sequence[float] = (), hashes: Collection[str] = ()) -> list[str]:
+        """Go on with the frames on disk that are not after `time` [s]; the later ones are forgotten.
+
+        wanted: times of the frames that should be there; hashes: of the cases whose files they may be.
+        Returns what is lost, in words.
+        """
         self._started = True
-        if _is_packed(self.path):
-            shutil.rmtree(self.parts, ignore_errors=True)
-            with reported(self.parts):
-                self.parts.mkdir()
-                _link(self.path, self._part_of(0))
-        stored = self._stored()
+        problems = self._unpack()
+        stored, damaged = self._stored(hashes)
         self.frames = [frame for frame in stored if frame.time <= time * (1 + 1e-12)]
         if self.frames:
             self._index()  # before the later ones go: the file must not point at what is not there
+        else:
+            remove(self.path)
+        if self.parts.exists():
+            with reported(self.parts):
+                for path in set(self.parts.glob("*")) - {frame.path for frame in self.frames}:
+                    path.unlink()
+        there = np.array([frame.time for frame in self.frames])
+        lost = sum(not np.isclose(there, t, rtol=1e-9, atol=1e-12).any() for t in wanted if t <= time * (1 + 1e-12))
+        if not lost:
+            return []
+        reason = "; ".join([*problems, *damaged]) or "is not there"
+        return [f"{NAME} {reason}: {lost} of its frames up to t = {time:.4g} s are lost"]
+
+    def _unpack(self) -> list[str]:
+        """A packed file is the first part. Returns what is wrong with it; then it is put aside."""
+        try:
+            if not _is_packed(self.path):
+                return []
+        except DAMAGES as error:
+            if self.parts.exists():
+                return []  # an index, then; the frames are there
+            put_aside(self.path)
+            return [f"is damaged ({told(error)})"]
+        shutil.rmtree(self.parts, ignore_errors=True)
         with reported(self.parts):
-            for path in {frame.path for frame in stored} - {frame.path for frame in self.frames}:
-                path.unlink()
+            self.parts.mkdir()
+            _link(self.path, self._part_of(0))
+        return []
 
     def _part(self) -> None:
         """The frames in memory go to a file of their own. The first one of a new run clears what an older run left."""
@@ -113,14 +152,40 @@ class FieldsWriter:
         """The part that begins with this frame."""
         return self.parts / f"{number:06d}.h5"
 
-    def _stored(self) -> list[Stored]:
-        """The frames of all parts. A run that was cut back left frames in a part that a later part holds again."""
-        found: list[Stored] = []
-        with reported(self.parts):
-            for path in sorted(self.parts.glob("[!.]*.h5")):
-                part = frames_in(path)
-                found = [frame for frame in found if frame.time < part[0].time] + part
-        return found
+    def _stored(self, hashes: Collection[str]) -> tuple[list[Stored], list[str]]:
+        """The frames of all parts that are whole, and what is wrong with others."""
+        found, problems = [], []
+        for path in _parts(self.parts):
+            try:
+                part = whole_frames(path, self.grid, hashes)
+            except DAMAGES as error:
+                problems.append(f"is damaged ({told(error)})")
+                continue
+            found.append(part)
+        return _in_order(found), list(dict.fromkeys(problems))
+
+
+def _parts(folder: Path) -> list[Path]:
+    return sorted(folder.glob("[!.]*.h5"))
+
+
+def _since(time: float, parts: Sequence[Path]) -> list[Stored]:
+    """The frames of the parts that begin after a time [s]: fields.vtkhdf does not show them yet."""
+    later: list[list[Stored]] = []
+    for part in map(frames_in, reversed(parts)):
+        if part[0].time <= time:
+            break
+        later.append(part)
+    return [frame for part in reversed(later) for frame in part]
+
+
+def _in_order(parts: Sequence[list[Stored]]) -> list[Stored]:
+    """A run that was cut back left frames in a part that a later part holds again."""
+    found: list[Stored] = []
+    for part in parts:
+        if part:
+            found = [frame for frame in found if frame.time < part[0].time] + part
+    return found
 
 
 @dataclass(frozen=True)
@@ -141,9 +206,18 @@ class FieldsReader:
 
     def frame(self, i: int) -> Frame:
         """Frame i; negative i count from the end. eta comes from surface.nc, NaN when that file has no such time."""
-        stored = self.stored[i]
-        with reported(self.path), h5py.File(self.path) as file:
-            values = read_values(file, stored, self.grid.dimension)
+        count = len(self.stored)
+        if not isinstance(i, Integral) or isinstance(i, bool) or not -count <= i < count:
+            raise NoFrameError(
+                f"frame({i!r}): {self.path} holds frames 0 to {count - 1} (or -{count} to -1, from the end); "
+                "nearest(time) is the number of that nearest to a time [s]"
+            )
+        stored = self.stored[int(i)]
+        try:
+            with h5py.File(stored.path) as file:
+                values = read_values(file, stored, self.grid.dimension)
+        except DAMAGES as error:
+            raise OutputError(stored.path, f"frame {i} is damaged ({told(error)})", verb="read") from error
         return Frame(
             time=stored.time,
             step=stored.step,
@@ -181,17 +255,19 @@ def read_fields(directory: Path) -> FieldsReader:
     try:
         with h5py.File(path) as file:
             shape, spacing = tuple(map(int, file.attrs["shape"])), tuple(map(float, file.attrs["spacing"]))
-        stored = tuple(frames_in(path))
-    except (OSError, KeyError) as error:
-        raise OutputError(path, str(error), "is this the folder of a run?", verb="read") from error
-    grid = Grid(shape, spacing, (False,) * len(shape))
-    return FieldsReader(path, grid, np.array([frame.time for frame in stored]), stored)
+            parts = [] if file.attrs["packed"] else _parts(path.with_name(PARTS))
+        stored = frames_in(path)
+        stored += _since(stored[-1].time, parts)
+        grid = Grid(shape, spacing, (False,) * len(shape))
+    except DAMAGES as error:
+        raise OutputError(path, told(error), "is this the folder of a run?", verb="read") from error
+    return FieldsReader(path, grid, np.array([frame.time for frame in stored]), tuple(stored))
 
 
 def _is_packed(path: Path) -> bool:
     if not path.exists():
         return False
-    with reported(path), h5py.File(path) as file:
+    with h5py.File(path) as file:
         return bool(file.attrs.get("packed", False))
 
 

@@ -30,7 +30,7 @@ def held(directory: Path) -> Iterator[None]:
         file = open(path, "a+b", buffering=0)  # noqa: SIM115
     with file:
         try:
-            _lock(file)
+            lock(file)
         except OSError as error:
             if error.errno in TAKEN:
                 file.seek(0)
@@ -46,7 +46,7 @@ def held(directory: Path) -> Iterator[None]:
                 path.unlink()
 
 
-def _lock(file: BinaryIO) -> None:
+def lock(file: BinaryIO) -> None:
     """Raises OSError, with an errno of TAKEN where another process holds it."""
     if sys.platform == "win32":
         import msvcrt

@@ -10,6 +10,7 @@ import platform
 import sys
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -84,9 +85,35 @@ def read_manifest(directory: Path) -> dict[str, Any]:
     """run.json of a run; OutputError when it is not there or not ours."""
     path = Path(directory) / NAME
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
         raise OutputError(path, str(error), "is this the folder of a run?", verb="read") from error
+    if missing := _missing(found):
+        raise OutputError(path, f"it is not what a run of houle writes ({missing})", "put it back", verb="read")
+    return found
+
+
+def _missing(found: Any) -> str:
+    """What the manifest of a run has and this does not; nothing if it is one."""
+    kinds: dict[str, Any] = {"finished": bool, "case": dict, "started": str, "summary": dict}
+    within: dict[str, Any] = {"time": Real, "steps": Real, "particles": Real, "wall_seconds": Real, "cpu_seconds": Real}
+    within |= {"operations": dict, "energy": dict}
+    if not isinstance(found, dict):
+        return "no table"
+    wrong = [key for key, kind in kinds.items() if not isinstance(found.get(key), kind)]
+    if wrong:
+        return ", ".join(wrong)
+    wrong = [f"summary.{key}" for key, kind in within.items() if not isinstance(found["summary"].get(key), kind)]
+    wrong += [f"case.{key}" for key in ("name", "hash", "text") if not isinstance(found["case"].get(key), str)]
+    lists = [key for key in ("resumed", "prolonged", "lost") if not isinstance(found.get(key, []), list)]
+    for entry in found.get("prolonged", []) if not lists else []:
+        if not (isinstance(entry, dict) and isinstance(entry.get("case_hash"), str) and _finite(entry.get("to"))):
+            lists.append("prolonged")
+    return ", ".join([*wrong, *lists])
+
+
+def _finite(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _plain(value: Any) -> Any:
@@ -99,7 +126,9 @@ def _plain(value: Any) -> Any:
         return _plain(value.tolist())
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    return value if value is None or isinstance(value, (str, int)) else str(value)
+    if value is None or isinstance(value, int):
+        return value
+    return str(value).encode("utf-8", "backslashreplace").decode("utf-8")  # names of files may be no text
 
 
 def _now() -> str:

@@ -1,4 +1,4 @@
-"""netCDF-4 files as tables of variables over named dimensions, and tables that grow in time.
+"""netCDF-4 files as tables of variables over named dimensions: written, appended to in time (growing.py), read.
 
 h5netcdf writes and reads them; xarray, on top of it, takes half a second to be imported: only who asks for a Dataset
 pays for that.
@@ -6,7 +6,6 @@ pays for that.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,18 +16,20 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.atomic import OutputError, Sink, replacing
+from houle.output.atomic import DAMAGES, OutputError, Sink, replacing, told
 
 if TYPE_CHECKING:
     import xarray
 
+TIME = "time"
+PIECE = 1 << 20  # values that are copied at a time
 COMPRESSED = 1000  # values, from which on a variable is worth it
 NOT_OF_A_RUN = "is this the folder of a run?"
 
 
 @dataclass(frozen=True)
 class Variable:
-    """Values (numbers, or an object array of str) over named dimensions."""
+    """Values (numbers, or an object array of str) over named dimensions, in memory or in an open file."""
 
     dims: tuple[str, ...]
     values: NDArray
@@ -61,21 +62,66 @@ class Table(Mapping[str, Variable]):
 
 def write(path: Path, table: Table) -> None:
     """The whole file or nothing; every dimension has a coordinate. Missing values are NaN, coordinates have none."""
-    sizes = table.sizes
     with replacing(path) as temporary, Sink(temporary) as sink, h5netcdf.File(sink, "w") as file:
-        file.attrs.update(table.attrs)
-        file.dimensions = sizes
-        for name, variable in table.items():
-            words, measured = variable.values.dtype == object, name in table.variables
-            options: dict[str, Any] = {"fillvalue": np.nan} if measured else {}
-            if variable.values.size > COMPRESSED:
-                options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-            kind = h5py.string_dtype() if words else variable.values.dtype
-            stored = file.create_variable(name, variable.dims, kind, data=variable.values, **options)
-            stored.attrs.update(variable.attrs)
-            beside = {n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)}
-            if measured and beside:
-                stored.attrs["coordinates"] = " ".join(sorted(beside))
+        fill(file, table)
+
+
+def fill(file: h5netcdf.File, table: Table, grows: bool = False) -> None:
+    """Puts the table into an empty file, piece by piece: its values may lie in a file themselves.
+
+    grows: so that rows can be appended in time. Else compressed where it is worth it.
+    """
+    sizes = table.sizes
+    file.attrs.update(table.attrs)
+    file.dimensions = {name: None if grows and name == TIME else size for name, size in sizes.items()}
+    if grows:
+        file.resize_dimension(TIME, sizes[TIME])
+    for name, variable in table.items():
+        words, measured = variable.values.dtype == object, name in table.variables
+        options: dict[str, Any] = {"fillvalue": np.nan} if measured else {}
+        if grows and TIME in variable.dims:
+            options["chunks"] = _chunk(variable)
+        elif variable.values.size > COMPRESSED:
+            options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+        kind = h5py.string_dtype() if words else variable.values.dtype
+        stored = file.create_variable(name, variable.dims, kind, **options)
+        for piece in pieces(variable):
+            stored[piece] = variable.values[piece]
+        stored.attrs.update(variable.attrs)
+        beside = {n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)}
+        if measured and beside:
+            stored.attrs["coordinates"] = " ".join(sorted(beside))
+
+
+def append(file: h5py.File, table: Table) -> None:
+    """The rows of the table behind those of a file that grows."""
+    for name, variable in table.items():
+        if TIME not in variable.dims:
+            continue
+        stored, axis = file[name], variable.dims.index(TIME)
+        before = stored.shape[axis]
+        stored.resize(before + variable.values.shape[axis], axis)
+        stored[(slice(None),) * axis + (slice(before, None),)] = variable.values
+
+
+def pieces(variable: Variable) -> Iterator[tuple[slice, ...]]:
+    """The whole of a variable, stretches of time that are of no account in memory one after the other."""
+    shape = variable.values.shape
+    if TIME not in variable.dims or variable.values.size <= PIECE:
+        yield (slice(None),) * len(shape)
+        return
+    axis = variable.dims.index(TIME)
+    step = max(1, PIECE * shape[axis] // variable.values.size)
+    for begin in range(0, shape[axis], step):
+        yield (slice(None),) * axis + (slice(begin, begin + step),)
+
+
+def _chunk(variable: Variable) -> tuple[int, ...]:
+    """Shape of a chunk of a variable that grows: so many rows that few are touched, so few that runs are small."""
+    axis, shape = variable.dims.index(TIME), variable.values.shape
+    others = max(1, variable.values.size // max(1, shape[axis]))
+    rows = min(1024, max(1, 32 * 1024 // others))
+    return (*shape[:axis], rows, *shape[axis + 1 :])
 
 
 def read(path: Path) -> Table:
@@ -87,8 +133,8 @@ def read(path: Path) -> Table:
             }
             found = {name: _load(stored) for name, stored in file.variables.items()}
             attrs = dict(file.attrs)
-    except (OSError, KeyError, RuntimeError) as error:
-        raise OutputError(path, str(error), NOT_OF_A_RUN, verb="read") from error
+    except DAMAGES as error:
+        raise OutputError(path, told(error), NOT_OF_A_RUN, verb="read") from error
     coordinates = {name: v for name, v in found.items() if name in v.dims or name in beside}
     return Table({name: v for name, v in found.items() if name not in coordinates}, coordinates, attrs)
 
@@ -104,39 +150,5 @@ def read_dataset(path: Path) -> xarray.Dataset:
 
     try:
         return xarray.load_dataset(path, engine="h5netcdf", decode_times=False)
-    except (OSError, ValueError, KeyError) as error:
-        raise OutputError(path, str(error), NOT_OF_A_RUN, verb="read") from error
-
-
-class Growing(ABC):
-    """A table that grows by rows in time: all are kept (a run has some thousands), and written whole at each commit."""
-
-    def __init__(self, path: Path, attributes: Mapping[str, str]) -> None:
-        self.path, self.attributes = path, {"Conventions": "CF-1.11", **attributes}
-        self.times: list[float] = []
-        self.rows: list[Any] = []
-        self._committed = -1
-
-    @abstractmethod
-    def table(self) -> Table:
-        """All rows so far."""
-
-    @abstractmethod
-    def rows_of(self, stored: Table, count: int) -> list[Any]:
-        """The first rows of a table, as they were appended."""
-
-    def commit(self) -> None:
-        """Everything appended is in the file."""
-        if self._committed != len(self.rows):
-            write(self.path, self.table())
-            self._committed = len(self.rows)
-
-    close = commit
-
-    def truncate_after(self, time: float) -> None:
-        """Go on with the rows of the file that are not after `time` [s]; the next commit drops the others."""
-        stored = read(self.path)
-        times = stored["time"].values
-        keep = int(np.searchsorted(times, time * (1 + 1e-12), side="right"))
-        self.times, self.rows = times[:keep].tolist(), self.rows_of(stored, keep)
-        self._committed = -1
+    except DAMAGES as error:
+        raise OutputError(path, told(error), NOT_OF_A_RUN, verb="read") from error

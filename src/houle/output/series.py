@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from houle.fields import Field, at, find
 from houle.grid import axes
 from houle.output import netcdf
-from houle.output.netcdf import Table, Variable
+from houle.output.growing import Growing
+from houle.output.netcdf import TIME, Table, Variable
 
 if TYPE_CHECKING:
     import xarray
@@ -24,14 +25,12 @@ OBSERVED = {"eta": "gauge", "pressure": "sensor", "velocity": "sensor"} | {
     for place in ("runup", "overtopping", "flux", "phreatic", "structure", "paddle")
     for field in at(place)
 }
-ALWAYS = ("gauge", "sensor")  # their values are in every row, if only as empty arrays
 
-Row = dict[str, NDArray]
 Points = Sequence[tuple[str, Sequence[float]]]  # names and positions
 Stations = Mapping[str, tuple[Sequence[str], Mapping[str, Sequence[float]]]]
 
 
-class SeriesWriter(netcdf.Growing):
+class SeriesWriter(Growing):
     """gauges: (name, (x,) or (x, y)) each; sensors: (name, position) each; attributes: global ones of the file;
     stations: names and coordinates [m] of what else is observed, by dimension (`houle.observe.stations`)."""
 
@@ -47,51 +46,38 @@ class SeriesWriter(netcdf.Growing):
         super().__init__(Path(directory) / NAME, attributes)
         self.dimension, self.gauges, self.sensors = dimension, list(gauges), list(sensors)
         self.stations = stations or {}
+        self._names: set[str] | None = None  # of every row
 
     def append(self, time: float, sample: Mapping[str, Any]) -> None:
         """One row [s]: what Simulation.sample() returns. Every row has the same names, each in the table of fields."""
-        row = {name: np.asarray(value, dtype=float) for name, value in sample.items()}
-        for name in row if not self.rows else row.keys() ^ self.rows[0].keys():
+        for name in sample if self._names is None else sample.keys() ^ self._names:
             self._field(name)
-            if self.rows:
+            if self._names is not None:
                 raise RuntimeError(f"internal error: {name!r} is not in every row of the series")
-        self.times.append(float(time))
-        self.rows.append(row)
+        self._names = set(sample)
+        self.add(time, sample)
 
-    def table(self) -> Table:
-        names = self.rows[0] if self.rows else {}
-        variables = {name: self._variable(name) for name in names if names[name].size}
-        times = Variable(("time",), np.array(self.times), describe(find("time"), self.dimension))
-        coordinates = {"time": times, **_points("gauge", self.gauges), **_points("sensor", self.sensors)}
+    def table_of(self, columns: Mapping[str, NDArray]) -> Table:
+        names = [name for name, values in columns.items() if name != TIME and values[0].size]
+        variables = {name: self._variable(name, columns[name]) for name in names}
+        times = Variable((TIME,), columns[TIME], describe(find(TIME), self.dimension))
+        coordinates = {TIME: times, **_points("gauge", self.gauges), **_points("sensor", self.sensors)}
         coordinates |= {k: v for kind, entry in self.stations.items() for k, v in _stations(kind, *entry).items()}
         if any("axis" in v.dims for v in variables.values()):
             letters = np.array(list(axes(self.dimension)), dtype=object)
             coordinates["axis"] = Variable(("axis",), letters, {"long_name": "axis, z is up"})
         return Table(variables, coordinates, self.attributes)
 
-    def rows_of(self, stored: Table, count: int) -> list[Row]:
-        columns = {name: v.values for name, v in stored.variables.items() if name not in OBSERVED}
-        columns |= {n: self._observed(stored, n) for n, p in OBSERVED.items() if n in stored or p in ALWAYS}
-        return [{name: np.asarray(column[i]) for name, column in columns.items()} for i in range(count)]
-
-    def _observed(self, stored: Table, name: str) -> NDArray:
-        """(time, ...) values of an observation; it is not in the file when there is no gauge or no sensor."""
-        if name in stored:
-            return np.moveaxis(stored[name].values, 1, 0)
-        rows = len(stored["time"].values)
-        return np.zeros((rows, 0, self.dimension) if name == "velocity" else (rows, 0))
-
     def _field(self, name: str) -> Field:
         return find(name, OBSERVED.get(name, "run"))  # type: ignore[arg-type]
 
-    def _variable(self, name: str) -> Variable:
-        values = np.array([row[name] for row in self.rows])
+    def _variable(self, name: str, values: NDArray) -> Variable:
         attributes = describe(self._field(name), self.dimension)
         place = OBSERVED.get(name)
         if place is None:
-            return Variable(("time",), values, attributes)
+            return Variable((TIME,), values, attributes)
         tail = ("axis",) if values.ndim == 3 else ()
-        return Variable((place, "time", *tail), np.moveaxis(values, 0, 1), attributes)
+        return Variable((place, TIME, *tail), np.moveaxis(values, 0, 1), attributes)
 
 
 def describe(field: Field, dimension: int) -> dict[str, str]:

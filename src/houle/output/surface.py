@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.fields import find
 from houle.frame import Frame
-from houle.grid import FloatArray, Grid
+from houle.grid import Grid
 from houle.output import netcdf
-from houle.output.netcdf import Table, Variable
+from houle.output.growing import Growing
+from houle.output.netcdf import TIME, Table, Variable
 from houle.output.series import describe
 
 if TYPE_CHECKING:
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 NAME = "surface.nc"
 
 
-class SurfaceWriter(netcdf.Growing):
+class SurfaceWriter(Growing):
     """A row is a profile; plan axes are turned round, so that x is the last one as in other gridded data."""
 
     def __init__(self, directory: Path, grid: Grid, attributes: Mapping[str, str]) -> None:
@@ -30,21 +32,16 @@ class SurfaceWriter(netcdf.Growing):
 
     def append(self, frame: Frame) -> None:
         """One profile."""
-        self.times.append(float(frame.time))
-        self.rows.append(np.array(frame.eta, dtype=float).T)
+        self.add(frame.time, {"eta": np.asarray(frame.eta, dtype=float).T})
 
-    def table(self) -> Table:
+    def table_of(self, columns: Mapping[str, NDArray]) -> Table:
         d, plan = self.grid.dimension, ("y", "x")[3 - self.grid.dimension :]
-        eta = np.array(self.rows).reshape(len(self.rows), *self.grid.shape[:-1][::-1])
-        coordinates = {"time": Variable(("time",), np.array(self.times), describe(find("time"), d))}
+        coordinates = {TIME: Variable((TIME,), columns[TIME], describe(find(TIME), d))}
         for axis, name in enumerate(plan[::-1]):
             attributes = {"units": "m", "long_name": f"{name} of the cell centres", "axis": name.upper()}
             coordinates[name] = Variable((name,), self.grid.axis_points(axis), attributes)
-        variables = {"eta": Variable(("time", *plan), eta, describe(find("eta", "surface"), d))}
+        variables = {"eta": Variable((TIME, *plan), columns["eta"], describe(find("eta", "surface"), d))}
         return Table(variables, coordinates, self.attributes)
-
-    def rows_of(self, stored: Table, count: int) -> list[FloatArray]:
-        return list(stored["eta"].values[:count])
 
 
 def read_surface(directory: Path) -> xarray.Dataset:

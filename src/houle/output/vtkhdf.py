@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import itertools
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,10 +24,12 @@ from numpy.typing import NDArray
 from houle.fields import Field, at, find
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
-from houle.output.atomic import new_hdf5
+from houle.output.atomic import DAMAGES, new_hdf5
 from houle.output.series import describe
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie
+PIECE = 1 << 20  # numbers that are written at a time
+LEAST_OF_ITSELF = 1100  # deflate makes no more than one byte of so many
 ROWS = 8192  # particles per compressed chunk; a frame starts at a multiple of it: its chunks can be copied as they are
 TOPOLOGIES = ("Vertices", "Lines", "Polygons", "Strips")
 FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -92,7 +94,8 @@ def assemble(path: Path, frames: Sequence[Stored], grid: Grid, attributes: Mappi
     starts = _starts(frames)
     with new_hdf5(path) as file:
         file.attrs.update(attributes)
-        file.attrs.update(packed=packed, shape=grid.shape, spacing=grid.spacing, step=[f.step for f in frames])
+        file.attrs.update(packed=packed, shape=grid.shape, spacing=grid.spacing)
+        file["step"] = np.array([frame.step for frame in frames], np.int64)  # more of them than an attribute can hold
         root = file.create_group("VTKHDF", track_order=True)
         _mark(root, "PartitionedDataSetCollection")
         particles, cells = (root.create_group(name) for name in ("particles", "grid"))
@@ -137,7 +140,7 @@ def frames_in(path: Path) -> list[Stored]:
         particles = file["VTKHDF/particles"]
         columns = (
             particles["Steps/Values"],
-            file.attrs["step"],
+            file["step"] if "step" in file else file.attrs["step"],
             particles["NumberOfPoints"],
             particles["Steps/PointOffsets"],
         )
@@ -146,6 +149,48 @@ def frames_in(path: Path) -> list[Stored]:
         return [
             Stored(path, float(t), int(s), int(n), int(o), i, rows, len(table)) for i, (t, s, n, o) in enumerate(table)
         ]
+
+
+def whole_frames(path: Path, grid: Grid, hashes: Collection[str] = ()) -> list[Stored]:
+    """The frames of an assembled file on this grid that can be read from the first number to the last.
+
+    hashes: of the cases whose file it may be. Raises one of DAMAGES where nothing of the file can be relied on.
+    """
+    frames = frames_in(path)
+    with h5py.File(path) as file:
+        if tuple(file.attrs["shape"]) != grid.shape or (hashes and file.attrs["case_hash"] not in hashes):
+            raise ValueError("it is that of another case")
+        for name in ARRAYS:
+            _check_shape(file[name], name, grid, frames)
+        if not np.all(np.diff([frame.time for frame in frames]) > 0):
+            raise ValueError("its times do not increase")
+        return [frame for frame in frames if _is_whole(file, frame, grid)]
+
+
+def _check_shape(dataset: h5py.Dataset, name: str, grid: Grid, frames: Sequence[Stored]) -> None:
+    """Raises ValueError where a dataset is not what houle writes, before memory is taken for it."""
+    field, steps = _field(name), len(frames)
+    tail = (3,) if field.vector else ()
+    if "/particles/" in name:
+        wanted: tuple[int, ...] = (frames[0].rows if frames else 0, *tail)
+    else:
+        nx, *ny, nz = grid.shape
+        wanted = (*((steps,) if steps > 1 else ()), nz, *(ny or [1]), nx, *tail)
+    most = LEAST_OF_ITSELF * max(dataset.id.get_storage_size(), 1)  # bytes that can come out of these
+    if dataset.shape != wanted or dataset.dtype != np.float32 or (not dataset.is_virtual and dataset.nbytes > most):
+        raise ValueError(f"{name} is not what houle writes")
+    if dataset.chunks != _chunk(name, wanted, steps):
+        raise ValueError(f"{name} is not stored as houle stores it")
+
+
+def _is_whole(file: h5py.File, frame: Stored, grid: Grid) -> bool:
+    if not (0 <= frame.row <= frame.row + frame.count <= frame.rows and np.isfinite(frame.time)):
+        return False
+    try:
+        read_values(file, frame, grid.dimension)
+    except DAMAGES:
+        return False
+    return True
 
 
 def _field(name: str) -> Field:
@@ -231,11 +276,24 @@ def _topology(block: h5py.Group, frames: Sequence[Stored], starts: Sequence[int]
         kind = block.create_group(name)
         cells = counts if name == "Vertices" else 0 * counts
         kind["NumberOfCells"] = kind["NumberOfConnectivityIds"] = cells
-        offsets = np.concatenate([ids[: count + 1] for count in cells])
-        kind.create_dataset("Offsets", data=offsets, chunks=(ROWS,), maxshape=(None,), **FILTERS)
+        offsets = kind.create_dataset(
+            "Offsets", (int(cells.sum()) + total,), np.int64, chunks=(ROWS,), maxshape=(None,), **FILTERS
+        )
+        for begin, values in _offsets(cells, ids):
+            offsets[begin : begin + len(values)] = values
         kind.create_dataset(
             "Connectivity", data=ids[: cells.max(initial=0)], chunks=(ROWS,), maxshape=(None,), **FILTERS
         )
+
+
+def _offsets(cells: NDArray[np.int64], ids: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
+    """0, 1, 2, ... of every step, one behind the other, in pieces: where they begin and their values."""
+    begin, first = 0, 0
+    ends = np.cumsum(cells + 1)
+    while first < len(cells):
+        last = max(first + 1, int(np.searchsorted(ends, begin + PIECE, side="right")))
+        yield begin, np.concatenate([ids[: count + 1] for count in cells[first:last]])
+        begin, first = int(ends[last - 1]), last
 
 
 def _image(block: h5py.Group, grid: Grid) -> None:
