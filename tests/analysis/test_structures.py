@@ -1,5 +1,7 @@
 """Run-up, overtopping, erosion: statistics by hand, and formulas at values worked out on paper."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -59,6 +61,99 @@ def test_water_that_flows_back_and_none_at_all():
     assert dry.q == 0 and dry.V_max == 0 and len(dry.volumes) == 0
     with pytest.raises(AnalysisError, match="time must rise"):
         analysis.overtopping_events(time[::-1], volume)
+
+
+# ---- overtopping from the gauge of a tank ----------------------------------------------------------------------------
+
+STEPS = np.array([1.46, 0.90, 0.56, 0.52, 1.72, 1.10]) * 1e-3  # m3/m, each in half a second, every 10 s from 5 s on
+
+
+def tank(noise=0.0, drift=0.0, unit=0.0, offset=0.0, swing=0.0, emptied=None, every=0.01, steps=STEPS):
+    """Time and volume of a tank: what came over, and what its gauge makes of it. emptied: from, to [s], share."""
+    time = np.arange(0.0, 10.0 * len(steps) + 5.0, every)
+    volume = np.full_like(time, 0.0)
+    for i, step in enumerate(steps):
+        since = time - 5.0 - 10.0 * i
+        volume += step * np.clip(since / 0.5, 0.0, 1.0)
+        free = np.maximum(since - 0.5, 0.0)
+        volume += swing * step * np.exp(-free / 2.5) * np.sin(2 * np.pi * free / 0.9)
+    if emptied:
+        start, end, share = emptied
+        volume -= share * np.interp(start, time, volume) * np.clip((time - start) / (end - start), 0.0, 1.0)
+    volume += offset + drift * time + noise * np.random.default_rng(7).standard_normal(len(time))
+    return time, np.round(volume / unit) * unit if unit else volume
+
+
+GAUGES = {
+    "noise of 1 % of a step": {"noise": 1e-5},
+    "of 5 %": {"noise": 5e-5},
+    "of 20 %": {"noise": 2e-4},
+    "drift up": {"noise": 2e-5, "drift": 1e-5},
+    "drift down": {"noise": 2e-5, "drift": -4e-5},
+    "counted in units": {"unit": 5e-5},
+    "in units, with noise": {"unit": 5e-5, "noise": 3e-5},
+    "offset": {"noise": 2e-5, "offset": -0.3},
+    "swings": {"swing": 0.25},
+    "swings and noise": {"swing": 0.25, "noise": 2e-5},
+    "a slow recorder": {"noise": 2e-5, "every": 0.1},
+}
+
+
+@pytest.mark.parametrize("gauge", GAUGES)
+@pytest.mark.parametrize("pause", [0.0, 2.0])
+def test_the_gauge_of_a_tank_is_not_taken_for_water(gauge, pause):
+    """Six steps within four of their standard errors, at their times; none of the noise bridges a pause."""
+    time, volume = tank(**GAUGES[gauge])
+    found = analysis.overtopping_events(time, volume, waves=30, pause=pause)
+    assert len(found.volumes) == len(STEPS)
+    assert np.all(np.abs(found.volumes - STEPS) < 4 * found.errors)
+    assert np.all(found.errors < 0.15 * STEPS)
+    assert found.times == pytest.approx(5.0 + 10.0 * np.arange(6)[:, None] + [0.0, 0.5], abs=1.0)
+    assert abs(found.q - STEPS.sum() / np.ptp(time)) < 4 * found.q_error < 0.1 * found.q
+    if "swing" not in GAUGES[gauge]:
+        assert found.noise == pytest.approx(GAUGES[gauge].get("noise", found.noise), rel=0.3)
+    assert ("drift" in str(found)) == ("drift" in GAUGES[gauge])
+
+
+@pytest.mark.parametrize("noise", [0.0, 2e-5])
+@pytest.mark.parametrize("emptied", [(39.0, 42.0, 0.95), (39.0, 39.01, 1.0), (28.0, 31.0, 0.7)])
+def test_a_tank_that_is_emptied_goes_on(noise, emptied):
+    """The record is bridged and says where; q is over the time in which the tank was filled."""
+    time, volume = tank(noise=noise, emptied=emptied)
+    found = analysis.overtopping_events(time, volume)
+    assert len(found.volumes) == len(STEPS)
+    assert found.volumes == pytest.approx(STEPS, rel=0.03)
+    filling = np.ptp(time) - (emptied[1] - emptied[0])
+    assert found.q == pytest.approx(STEPS.sum() / filling, rel=5e-3)
+    said = r"emptied at (27\.9|28|38\.9|39)(\.?\d*) s"
+    assert re.search(said, found.notes[0])
+    with pytest.raises(AnalysisError, match=said):
+        analysis.overtopping_events(time, volume, emptied="refuse")
+    lost = analysis.overtopping_events(time, volume, emptied="ignore")
+    assert lost.total < 0.7 * found.total
+
+
+def test_swings_of_the_tank_are_no_emptyings():
+    for noise in (0.0, 1e-5, 3e-5):
+        found = analysis.overtopping_events(*tank(noise=noise, swing=0.4), pause=1.0)
+        assert not any("emptied" in note for note in found.notes)
+        assert found.total == pytest.approx(STEPS.sum(), rel=0.01)
+
+
+def test_noise_and_drift_alone_are_no_events():
+    for drift in (0.0, 1e-5, -1e-5):
+        found = analysis.overtopping_events(*tank(noise=2e-5, drift=drift, steps=np.zeros(6)))
+        assert len(found.volumes) == 0
+        assert abs(found.total) < 1e-5
+
+
+def test_a_gap_in_the_record_is_named():
+    time, volume = tank()
+    volume[[500, 501]] = np.nan
+    with pytest.raises(AnalysisError, match=r"no volume at 5, 5\.01 s"):
+        analysis.overtopping_events(time, volume)
+    with pytest.raises(AnalysisError, match="none of"):
+        analysis.overtopping_events(*tank(), emptied="maybe")
 
 
 def test_exit_gradient_of_a_drawdown():

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError
+from houle.analysis.staircase import SURE, Fall, Floats, Stairs, emptyings, steps_of
+
+NAMED = 5  # instants that a note or a message lists
 
 
 @dataclass(frozen=True)
@@ -15,6 +19,8 @@ class Overtopping:
     """`volumes` (N,) [m3/m], in 3D [m3], that came over in `times` (N, 2), start and end [s]; `duration` [s] in all.
 
     q: mean discharge [m3/s/m]. `waves`: incident waves, None if not given. `ignored`: in pieces below the threshold.
+    `errors` (N,) and `q_error` are standard errors, from the `noise` of the record itself, its standard deviation
+    between the events [m3/m]; 0 without noise. `notes`: what was done to the record, a sentence each.
     """
 
     volumes: NDArray[np.float64]
@@ -22,6 +28,10 @@ class Overtopping:
     duration: float
     waves: int | None
     total: float
+    errors: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+    q_error: float = 0.0
+    noise: float = 0.0
+    notes: tuple[str, ...] = ()
 
     @property
     def q(self) -> float:
@@ -42,29 +52,96 @@ class Overtopping:
 
     def __str__(self) -> str:
         part = f", {100 * self.probability:.1f} % of the waves" if self.waves else ""
-        return f"overtopping: q {self.q:.4g} m3/s/m, {len(self.volumes)} events{part}, V_max {self.V_max:.4g} m3/m"
+        sure = f" +- {SURE * self.q_error:.2g}" if self.q_error else ""
+        line = (
+            f"overtopping: q {self.q:.4g}{sure} m3/s/m, {len(self.volumes)} events{part}, V_max {self.V_max:.4g} m3/m"
+        )
+        return "\n".join([line, *self.notes])
 
 
 def overtopping_events(
-    time: ArrayLike, volume: ArrayLike, *, waves: int | None = None, threshold: float = 0.0, pause: float = 0.0
+    time: ArrayLike,
+    volume: ArrayLike,
+    *,
+    waves: int | None = None,
+    threshold: float = 0.0,
+    pause: float = 0.0,
+    emptied: Literal["bridge", "refuse", "ignore"] = "bridge",
 ) -> Overtopping:
-    """Events of a cumulative volume (T,): stretches in which it rises, joined across pauses up to `pause` [s].
+    """Events of a cumulative volume (T,) [m3/m], of houle or of a tank gauge: stretches in which it rises for good.
 
-    Events of no more than `threshold` [m3/m] are noise. Water that flows back counts against the event it follows.
-    Raises AnalysisError.
+    They are joined across pauses up to `pause` [s]. Events of no more than `threshold` [m3/m], or of less than three
+    of their standard errors, are noise. Water that flows back counts against the event it follows.
+
+    The noise of a gauge is told from the record itself: it stands still where it does not rise for good, however its
+    gauge trembles, swings or counts in steps; a drift between the events is taken off. Where the tank was emptied the
+    record is bridged, the time taken off `duration`, or, with "refuse", the instants are named in an AnalysisError;
+    with "ignore" the fall counts as water that flows back. Raises AnalysisError.
     """
     t, v = np.asarray(time, dtype=float), np.asarray(volume, dtype=float)
-    if t.shape != v.shape or t.ndim != 1 or len(t) < 2 or not (np.all(np.isfinite(v)) and np.all(np.diff(t) > 0)):
+    if t.shape != v.shape or t.ndim != 1 or len(t) < 2 or not np.all(np.diff(t) > 0):
         raise AnalysisError("overtopping: time must rise, volume must be as long as time and without gaps")
-    rising = np.flatnonzero(np.diff(v) > 0)
-    if len(rising) == 0:
-        return Overtopping(np.empty(0), np.empty((0, 2)), float(np.ptp(t)), waves, float(v[-1] - v[0]))
-    apart = np.flatnonzero(t[rising[1:]] - t[rising[:-1] + 1] > pause + 1e-12 * np.ptp(t))
-    first, last = rising[np.append(0, apart + 1)], rising[np.append(apart, len(rising) - 1)] + 1
-    until = np.append(first[1:], len(v) - 1)  # what flows back before the next one
-    volumes = v[until] - v[first]
-    keep = volumes > threshold
+    if not np.all(np.isfinite(v)):
+        raise AnalysisError(f"overtopping: no volume at {_instants(t[~np.isfinite(v)])}: cut there, or fill the gap")
+    if emptied not in ("bridge", "refuse", "ignore"):
+        raise AnalysisError(f'overtopping: emptied = {emptied!r} is none of "bridge", "refuse", "ignore"')
+    falls = [] if emptied == "ignore" else emptyings(t, v, pause)
+    if falls and emptied == "refuse":
+        at = _instants([t[f.start] for f in falls])
+        raise AnalysisError(f"overtopping: the tank was emptied at {at}: give the parts one by one, or bridge them")
+    v, out = _bridged(t, v, falls)
+    found, slope, slope_error = steps_of(t, v, pause)
+    errors, whole_error = _with_falls(found, falls)
+    keep = found.heights > threshold
     if waves is not None and keep.sum() > waves:
         raise AnalysisError(f"{keep.sum()} events from {waves} waves: raise threshold or pause, or correct waves")
-    times = np.column_stack([t[first], t[last]])
-    return Overtopping(volumes[keep], times[keep], float(np.ptp(t)), waves, float(v[-1] - v[0]))
+    times, duration = np.column_stack([t[found.first], t[found.last]])[keep], float(np.ptp(t)) - out
+    return Overtopping(
+        found.heights[keep],
+        times,
+        duration,
+        waves,
+        found.whole,
+        errors[keep],
+        float(np.hypot(whole_error / duration, slope_error)),
+        found.noise,
+        tuple(_notes(t, falls, found, slope)),
+    )
+
+
+def _bridged(t: Floats, v: Floats, falls: list[Fall]) -> tuple[Floats, float]:
+    """The record with what was emptied put back, and how long that took [s]; it stands while the tank is emptied."""
+    v, back = v.copy(), 0.0
+    for fall in falls:
+        v[fall.start + 1 : fall.end] = fall.level + back
+        v[fall.end :] += fall.height
+        back += fall.height
+    return v, sum(float(t[fall.end] - t[fall.start]) for fall in falls)
+
+
+def _with_falls(found: Stairs, falls: list[Fall]) -> tuple[Floats, float]:
+    """Standard errors of the steps, and of them all, with those of the falls in the pauses beside them."""
+    variance = np.zeros(len(found.first) + 1)  # of each pause
+    for fall in falls:
+        variance[np.searchsorted(found.first, fall.start)] += fall.error**2
+    errors = np.sqrt(found.errors**2 + variance[1:] + variance[:-1])
+    return errors, float(np.sqrt(found.whole_error**2 + variance.sum()))
+
+
+def _notes(t: Floats, falls: list[Fall], found: Stairs, slope: float) -> list[str]:
+    notes = []
+    if falls:
+        at, height = _instants([t[f.start] for f in falls]), sum(f.height for f in falls)
+        notes.append(
+            f"the tank was emptied at {at} of {height:.4g} m3/m in all: bridged, what came over meanwhile is not in"
+        )
+    if slope:
+        notes.append(f"between the events the record drifts by {slope:.2g} m3/s/m: taken off")
+    if found.noise > 0.0:
+        notes.append(f"the record trembles by {found.noise:.2g} m3/m (standard deviation)")
+    return notes
+
+
+def _instants(times: ArrayLike) -> str:
+    t = np.asarray(times, dtype=float)
+    return ", ".join(f"{s:.6g}" for s in t[:NAMED]) + (", ..." if len(t) > NAMED else "") + " s"
