@@ -185,6 +185,13 @@ def instruments(s: Section) -> Iterator[Finding]:
         yield from _outside(s, f"{key}.x", gauge.x, 0)
         if gauge.y is not None:
             yield from _outside(s, f"{key}.y", gauge.y, 1)
+        z = s.grid.axis_points(s.case.dimension - 1)
+        line = np.stack([np.full_like(z, at) for at in (gauge.x, *([gauge.y] * (s.case.dimension - 2)))] + [z], axis=-1)
+        for solid in s.solid:
+            if np.all(solid.shape.distance(line.astype(float)) < 0):
+                yield Finding(
+                    "warning", f"{key}.x", f"= {gauge.x:g} lies in {solid.key}, floor to lid: it reads nothing"
+                )
     for i, sensor in enumerate(s.case.sensor):
         key = place(("sensor", i, "at"), s.case.__dict__)
         for axis, value in enumerate(sensor.at):
@@ -202,7 +209,7 @@ def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]
 
 def observables(s: Section) -> Iterator[Finding]:
     """Run-ups, crests, sections and phreatic lines lie in the domain, and where there is something to observe."""
-    case, h = s.case, s.grid.spacing[0]
+    case, h, size_x = s.case, s.grid.spacing[0], s.grid.size[0]
     for i, runup in enumerate(case.runup):
         key = place(("runup", i, "x"), case.__dict__)
         for end in runup.x:
@@ -219,6 +226,10 @@ def observables(s: Section) -> Iterator[Finding]:
                 if case.domain.periodic[0]:
                     text = 'cannot tell the side behind the crest where walls = {x = "periodic"}: observe a [[flux]]'
                     yield Finding("error", key, text)
+                for side in case.open:
+                    if abs(row.x - (size_x if side.side == "right" else 0.0)) < h:
+                        text = f"= {row.x:g} lies within a spacing of {h:.3g} m of the open side {side.side!r}, where "
+                        yield Finding("error", f"{key}.x", text + "water comes and goes: move it inwards")
             else:
                 levels, name = list(row.between or ()), "between"
             for level in levels:

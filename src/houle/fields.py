@@ -98,7 +98,7 @@ FIELDS: tuple[Field, ...] = (
         "V_o",
         "m3",
         "overtopping",
-        "volume of water that has passed the crest above the level given, since the start",
+        "volume of water that has crossed the section above the level given, since the start",
         unit_2d="m2",
     ),
     Field(

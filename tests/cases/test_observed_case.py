@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import houle
-from houle.checks import require
+from houle.checks import check, require
 from houle.errors import CaseError
 
 CASE: dict[str, Any] = {
@@ -61,6 +61,23 @@ def test_overtopping_needs_a_side_behind_the_crest():
     joined = {"size": [0.4, 0.2], "spacing": 0.02, "walls": {"x": "periodic"}}
     with pytest.raises(CaseError, match="periodic"):
         require(houle.load({**CASE, "domain": joined, "overtopping": [{"x": 0.1}]}))
+
+
+def test_overtopping_keeps_clear_of_open_sides():
+    """Where particles come and go their water does not move past a section."""
+    case = {**CASE, "open": [{"side": "left", "level": 0.15}]}
+    require(houle.load({**case, "overtopping": [{"x": 0.03}]}))
+    with pytest.raises(CaseError, match=r"overtopping\.O1\.x = 0\.01 lies within a spacing"):
+        require(houle.load({**case, "overtopping": [{"x": 0.01}]}))
+
+
+def test_a_gauge_in_a_wall_is_warned_of():
+    walls = [{"name": "wall", "box": [[0.34, 0.0], [0.4, 0.2]]}, {"name": "sill", "box": [[0.0, 0.0], [0.06, 0.1]]}]
+    case = {**CASE, "solid": walls, "water": [{"below": 0.15}], "gauge": [{"x": x} for x in (0.2, 0.37, 0.03)]}
+    found = check(houle.load(case))
+    said = [f for f in found if f.key.startswith("gauge")]
+    assert [(f.level, f.key) for f in said] == [("warning", "gauge.G2.x")]
+    assert "solid.wall" in said[0].text
 
 
 def test_a_case_with_everything_comes_back_from_its_file():
