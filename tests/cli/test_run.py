@@ -294,10 +294,12 @@ def test_a_laboratory_file_may_come_from_windows(tmp_path):
 def test_a_laboratory_file_that_is_not_text_or_has_no_level_says_so(tmp_path):
     file = tmp_path / "lab.csv"
     file.write_bytes(b"# d\xe9bit\nt_s,x_m,eta_m\n1,0.5,0.2\n")
-    with pytest.raises(CaseError, match=r"reference\.surface = .* is not text in UTF-8"):
+    assert laboratory.read(file).eta == [0.2]
+    file.write_bytes(b"t_s,x_m,eta_m\n1,0.5,0.2\n\0")
+    with pytest.raises(CaseError, match=r"reference\.surface = .* is not text"):
         laboratory.read(file)
     file.write_text("t_s,x_m,eta_m\n1,0.5,0.2\n1,0.6,nan\n")
-    with pytest.raises(CaseError, match="leave out points without level"):
+    with pytest.raises(CaseError, match="line 3: eta_m is not a finite number: leave the row out"):
         laboratory.read(file)
 
 

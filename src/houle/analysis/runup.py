@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError
+from houle.analysis.holes import record
 
 LEAST_WAVES = 50  # one wave in fifty is 2 %
 
@@ -59,9 +60,15 @@ def run_up(time: ArrayLike, level: ArrayLike, *, waves: int | None = None, thres
     time, level (T,): the edge of the water above still water [s, m]. `waves`: incident waves in the record (the number
     of run-ups if None). Run-ups that rise less than `threshold` [m] above the mean are left out. Raises AnalysisError.
     """
-    t, z = np.asarray(time, dtype=float), np.asarray(level, dtype=float)
-    if t.shape != z.shape or t.ndim != 1 or not np.all(np.isfinite(z)):
-        raise AnalysisError("run-up: time and level must be two rows of numbers of one length, without gaps")
+    found = record(time, level)
+    t, z = found.time, found.eta[0]
+    if len(found.eta) != 1 or np.isnan(z).any():
+        at = f": there is none at t = {t[np.isnan(z)][0]:g} s" if np.isnan(z).any() else ""
+        said = "".join(f"; {note}" for note in found.notes)
+        raise AnalysisError(f"run-up: time and level must be two rows of numbers of one length, without gaps{at}{said}")
+    if (gaps := np.diff(t)).max() > 3 * np.median(gaps) and not np.all(np.abs(gaps - gaps.mean()) < 0.01 * gaps.mean()):
+        i = int(np.argmax(gaps))
+        raise AnalysisError(f"run-up: there is no level between t = {t[i]:g} and {t[i + 1]:g} s: shorten the record")
     above = z - z.mean()
     up = np.flatnonzero((above[:-1] < 0) & (above[1:] >= 0)) + 1
     ends = np.append(up, len(z))[1:]

@@ -1,13 +1,18 @@
-"""What a record of the surface holds: harmonics, period, waves between zero crossings, spectra and moments."""
+"""What a record of the surface holds: harmonics, period, waves between zero crossings, spectra and moments.
+
+Records may have holes, as NaN, as codes (-9999) or as times that are missing: see holes.py for what becomes of them.
+"""
 
 from __future__ import annotations
 
 import itertools
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from houle.analysis import holes
 from houle.analysis.errors import AnalysisError
 
 Real = NDArray[np.float64]
@@ -21,6 +26,11 @@ def harmonics(time: ArrayLike, eta: ArrayLike, omega: float, number: int = 1) ->
     least when the record holds whole periods. Raises AnalysisError when the samples cannot tell the harmonics apart.
     """
     t, rows = np.asarray(time, dtype=float), np.asarray(eta, dtype=float)
+    if t.ndim != 1 or len(t) < 2 or rows.shape[-1:] != t.shape:
+        raise AnalysisError(f"eta has shape {rows.shape} and time {t.shape}: one level for each time is needed")
+    if not np.all(np.isfinite(rows)):
+        i = int(np.argwhere(~np.isfinite(rows))[0][-1])
+        raise AnalysisError(f"there is no level at t = {t[i]:g} s: leave the sample out")
     return _complex(
         np.linalg.lstsq(basis(t, omega, number), rows.reshape(-1, len(t)).T, rcond=None)[0], number
     ).reshape(*rows.shape[:-1], number + 1)
@@ -48,15 +58,32 @@ def find_omega(time: ArrayLike, eta: ArrayLike, number: int = 3) -> float:
     """Angular frequency [rad/s] of a regular wave with harmonics, from all the rows of eta (..., T) together.
 
     Starts at the highest line of the periodogram, then Gauss-Newton on the least-squares fit: exact for an exact
-    signal. Raises AnalysisError when there is no oscillation, or fewer than two periods.
+    signal. Samples without level in any row are left out, and a warning says so; uneven times are used as they are.
+    Raises AnalysisError when there is no oscillation, or fewer than two periods.
     """
-    t = np.asarray(time, dtype=float)
-    rows = np.asarray(eta, dtype=float).reshape(-1, len(t))
-    rows = rows - rows.mean(axis=1, keepdims=True)
-    step, size = (t[-1] - t[0]) / (len(t) - 1), 8 * len(t)
-    power = np.sum(np.abs(np.fft.rfft(rows * np.hanning(len(t)), size)) ** 2, axis=0)
+    found = holes.record(time, eta)
+    known = np.asarray(np.isfinite(found.eta).all(axis=0))
+    t, rows = found.time[known], found.eta[:, known]
+    if len(t) < 8:
+        raise AnalysisError(f"{len(t)} samples with levels in all rows cannot tell a period")
+    whole, step = found.time, float((found.time[-1] - found.time[0]) / (len(found.time) - 1))
+    middle = rows.mean(axis=1, keepdims=True)
+    filled = np.where(known, np.nan_to_num(found.eta) - middle, 0.0)
+    if not np.all(np.abs(np.diff(whole) - step) < 0.01 * step):
+        step, _ = holes.spacing(whole)
+        size = round(float(whole[-1] - whole[0]) / step) + 1
+        if size > 50 * len(whole):
+            raise AnalysisError(f"the record is nearly all holes: {len(t)} samples over {whole[-1] - whole[0]:g} s")
+        filled, at = np.zeros((len(rows), size)), np.round((t - whole[0]) / step).astype(int)
+        filled[:, np.clip(at, 0, size - 1)] = rows - middle
+    if found.notes or not known.all():
+        words = f"{int(np.sum(~known))} of {len(known)} samples without level are left out"
+        warnings.warn("find_omega: " + "; ".join([*found.notes, words]), stacklevel=2)
+    rows = rows - middle
+    length, size = filled.shape[1], 8 * filled.shape[1]
+    power = np.sum(np.abs(np.fft.rfft(filled * np.hanning(length), size)) ** 2, axis=0)
     first = int(np.argmax(power))
-    span = step * len(t)
+    span = step * length
     if power[first] == 0 or first * span / (size * step) < 1.9:
         raise AnalysisError(
             "no regular wave is found: the record is flat, or shorter than two periods; give the period"
@@ -80,10 +107,11 @@ def find_omega(time: ArrayLike, eta: ArrayLike, number: int = 3) -> float:
 
 @dataclass(frozen=True)
 class Waves:
-    """Waves between zero crossings: `heights` (N,) [m] and `periods` (N,) [s] in order of time."""
+    """Waves between zero crossings: `heights` (N,) [m] and `periods` (N,) [s] in order of time; `notes` on holes."""
 
     heights: Real
     periods: Real
+    notes: tuple[str, ...] = ()
 
     @property
     def N(self) -> int:
@@ -127,42 +155,63 @@ class Waves:
         return (
             f"{self.N} waves: H_m {self.H_m:.4g}, H_1/3 {self.H_13:.4g}, H_1/10 {self.H_110:.4g}, H_max "
             f"{self.H_max:.4g} m; T_z {self.T_z:.4g}, T_1/3 {self.T_13:.4g} s"
-        )
+        ) + "".join(f"\n  note: {note}" for note in self.notes)
 
 
 def zero_crossing(time: ArrayLike, eta: ArrayLike, direction: str = "down", threshold: float = 0.0) -> Waves:
     """Waves from one zero crossing ("down" or "up") to the next, about the mean; crossings are linear between samples.
 
     Waves lower than `threshold` [m] are left out (noise). IAHR list of sea state parameters (1989): down-crossing is
-    the usual choice for structures. Raises AnalysisError when there is no whole wave.
+    the usual choice for structures. Times may be uneven; a wave with a hole longer than a tenth of the mean period is
+    left out, and `notes` say so. Raises AnalysisError when there is no whole wave.
     """
-    t, z = np.asarray(time, dtype=float), np.asarray(eta, dtype=float)
     if direction not in ("down", "up"):
         raise AnalysisError(f'direction = {direction!r}: "down" or "up"')
+    found = holes.record(time, eta)
+    known = np.isfinite(found.eta[0])
+    t, z, notes = found.time[known], found.eta[0, known], list(found.notes)
+    if len(t) < 3:
+        raise AnalysisError(f"{len(t)} samples hold no wave")
     z = (z - z.mean()) * (1.0 if direction == "up" else -1.0)
+    step, regular = holes.spacing(found.time)
+    wide = max((holes.HOLE if regular else 3.0) * step, step + holes.SHORT * holes.mean_period(t, z))
+    broken = np.concatenate([[0], np.cumsum(np.diff(t) > wide)])  # holes before each sample
     before = np.flatnonzero((z[:-1] < 0) & (z[1:] >= 0))
     if len(before) < 2:
         raise AnalysisError(f"no whole wave between {len(before)} zero {direction}-crossings")
     cross = t[before] - z[before] * (t[before + 1] - t[before]) / (z[before + 1] - z[before])
     parts = [z[i + 1 : j + 1] for i, j in itertools.pairwise(before)]
     heights = np.array([p.max() - p.min() for p in parts])
-    keep = heights >= threshold
+    whole = broken[before[1:] + 1] == broken[before[:-1]]
+    if broken[-1] or not known.all():
+        i = int(np.argmax(np.diff(t)))
+        notes.append(
+            f"{broken[-1]} holes, {int(np.sum(~known))} samples without level, the longest from t = {t[i]:.5g} to {t[i + 1]:.5g} s: "
+            f"{int(np.sum(~whole))} waves across holes are left out"
+        )
+    if not whole.any():
+        raise AnalysisError(f"no whole wave between holes, the first after t = {t[int(np.argmax(broken > 0)) - 1]:g} s")
+    keep = whole & (heights >= threshold)
     if not keep.any():
         raise AnalysisError(f"no wave is as high as the threshold {threshold:g} m; the highest is {heights.max():g} m")
-    return Waves(heights[keep], np.diff(cross)[keep])
+    return Waves(heights[keep], np.diff(cross)[keep], tuple(notes))
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """One-sided variance density `density` (F,) [m2/Hz] at `frequency` (F,) [Hz], evenly spaced from 0."""
+    """One-sided variance density `density` (F,) [m2/Hz] at `frequency` (F,) [Hz], evenly spaced from 0.
+
+    `notes` say what was done about holes and uneven times.
+    """
 
     frequency: Real
     density: Real
+    notes: tuple[str, ...] = ()
 
     def band(self, low: float, high: float) -> Spectrum:
         """Zero outside low <= f <= high [Hz]."""
         inside = (self.frequency >= low) & (self.frequency <= high)
-        return Spectrum(self.frequency, np.where(inside, self.density, 0.0))
+        return Spectrum(self.frequency, np.where(inside, self.density, 0.0), self.notes)
 
     def moment(self, order: int) -> float:
         """m_n = integral of f^n S df [m2 / s^n]; the line at f = 0 is left out."""
@@ -197,19 +246,34 @@ class Spectrum:
         return float(1.0 / (self.frequency[i] + shift * (self.frequency[1] - self.frequency[0])))
 
     def __str__(self) -> str:
-        return f"H_m0 {self.H_m0:.4g} m, T_p {self.T_p:.4g} s, T_m-1,0 {self.T_m10:.4g} s"
+        words = f"H_m0 {self.H_m0:.4g} m, T_p {self.T_p:.4g} s, T_m-1,0 {self.T_m10:.4g} s"
+        return words + "".join(f"\n  note: {note}" for note in self.notes)
 
 
 def spectrum(time: ArrayLike, eta: ArrayLike, segment: float | None = None) -> Spectrum:
-    """Welch's estimate: Hann windows of `segment` [s], an eighth of the record if None, half overlapping."""
+    """Welch's estimate: Hann windows of `segment` [s], an eighth of the record if None, half overlapping.
+
+    Short holes are bridged, no window lies across a longer one (with segment=None it is no longer than the longest
+    part without); uneven times are interpolated. `notes` of the answer say so. Raises AnalysisError.
+    """
     from scipy.signal import welch
 
-    t, z = np.asarray(time, dtype=float), np.asarray(eta, dtype=float)
-    step = (t[-1] - t[0]) / (len(t) - 1)
-    size = len(t) // 8 if segment is None else round(segment / step)
-    if not 16 <= size <= len(t):
+    t0, step, z, notes = holes.even(holes.record(time, eta))
+    z, notes = holes.bridged(t0, step, z, notes)
+    edges = np.concatenate([[0], *holes.holes(z), [len(z)]]).astype(int)
+    parts = [z[a:b] for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
+    size, longest = len(z) // 8 if segment is None else round(segment / step), max(len(part) for part in parts)
+    size = min(size, longest) if segment is None and len(parts) > 1 else size
+    if not 16 <= size <= longest:
+        between = " without holes" if len(parts) > 1 else ""
         raise AnalysisError(
-            f"segment = {size * step:g} s must lie between 16 samples and the record of {len(t) * step:g} s"
+            f"segment = {size * step:g} s must lie between 16 samples and the record of {longest * step:g} s{between}"
         )
-    frequency, density = welch(z - z.mean(), 1.0 / step, nperseg=size)
-    return Spectrum(frequency, density)
+    used = [part for part in parts if len(part) >= size]
+    middle = np.concatenate(used).mean()
+    found = [welch(part - middle, 1.0 / step, nperseg=size) for part in used]
+    shares = [1 + (len(part) - size) // (size - size // 2) for part in used]
+    density = np.average([density for _, density in found], axis=0, weights=shares)
+    if len(parts) > 1:
+        notes = (*notes, f"{sum(shares)} windows of {size * step:.4g} s in {len(used)} parts without holes")
+    return Spectrum(found[0][0], density, notes)
