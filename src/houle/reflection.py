@@ -188,11 +188,20 @@ def record(run: Run) -> dict[str, Any]:
     entry = {name: getattr(found, name) for name in (*names, *more)}
     window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
     entry["window"] = {**window, "reason": found.window.reason}
+    entry |= asked_for(run.case)
     if found.kind == "irregular":
         entry["H_made"] = as_made(run.case, found)
     if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
         entry["theory"] = {n: getattr(known, n) for n in ("C_R", "C_T", "C_D", "friction")}
     return {"reflection": entry}
+
+
+def asked_for(case: Case) -> dict[str, float]:
+    """Height of the waves asked for, H or H_s; of regular ones also that of their first harmonic, which H_I is [m]."""
+    wave = wave_of(case)
+    if case.waves is not None and case.waves.kind == "regular":
+        return {"H_asked": float(wave.height), "H_asked_1": first_harmonic(wave)}
+    return {"H_asked": float(wave.height)}
 
 
 def draw(found: Reflection, path: Path) -> None:
@@ -215,7 +224,7 @@ def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
             lines.append((name, f"{value:.3f}{sure}{beside}"))
     heights = [("incident", "H_I"), ("reflected", "H_R"), ("transmitted", "H_T")]
     shown = ", ".join(f"{word} {1e3 * entry[key]:.4g} mm" for word, key in heights if _number(entry[key]))
-    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown))
+    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown + _of_what(entry)))
     if _number(entry.get("H_made")):
         lines.append(("of the sea as made", f"{1e3 * entry['H_made']:.4g} mm: theory at the gauges, in this window"))
     w = entry["window"]
@@ -226,6 +235,16 @@ def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
     if known:
         lines.append(("linear theory", f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"))
     return [*lines, *(("note", note) for note in entry["notes"])]
+
+
+def _of_what(entry: dict[str, Any]) -> str:
+    """What the heights are, beside what was asked for."""
+    asked, first = (1e3 * (entry.get(key) or math.nan) for key in ("H_asked", "H_asked_1"))
+    if entry["method"] == "jh2020" or not _number(asked):
+        return ""
+    if not _number(first):
+        return f" (asked for {asked:.4g} mm)"
+    return f": first harmonics, crest to trough; the wave asked for, {asked:.4g} mm high, has one of {first:.4g} mm"
 
 
 def _number(value: Any) -> bool:

@@ -16,6 +16,8 @@ from houle.analysis.waves import find_omega, spectrum
 from houle.analysis.window import Window, choose_window
 from houle.waves.dispersion import GRAVITY
 
+HIGHEST = 3.0  # depths, from crest to trough: no gauge in front of a structure sees that
+
 
 def reflection(
     source: Any,
@@ -62,7 +64,11 @@ def reflection(
         towards = float(np.sign(structure - maker))
     front = _in_front(source, gauges, behind, structure, towards, window)
     back = as_gauges(source, list(behind), window) if len(behind) else None
-    omega = 2 * np.pi / period if period else _omega(front, kind)
+    for records in filter(None, (front, back)):
+        _require_levels(records, depth)
+    if period is not None:
+        positive(period=period)
+    omega = 2 * np.pi / period if period is not None else _omega(front, kind)
     stand = [*front.x, *([] if back is None else back.x)]
     if window is None:
         frame = _chosen(front, stand, omega, depth, maker, structure, kind, gravity, limits)
@@ -92,6 +98,17 @@ def _in_front(
     if len(chosen) == 0:
         raise AnalysisError("there is no gauge in front of the structure")
     return as_gauges(source, chosen, window)
+
+
+def _require_levels(g: Gauges, depth: float) -> None:
+    """Levels in metres do not move by some depths. Raises AnalysisError."""
+    for name, row in zip(g.names, g.eta, strict=True):
+        low, high = int(np.argmin(row)), int(np.argmax(row))
+        if row[high] - row[low] > HIGHEST * depth:
+            raise AnalysisError(
+                f"gauge {name} goes from {row[low]:.4g} m (t = {g.time[low]:.5g} s) to {row[high]:.4g} m (t = "
+                f"{g.time[high]:.5g} s) in {depth:g} m of water: check its unit, and codes for missing values"
+            )
 
 
 def _omega(front: Gauges, kind: str) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.analysis import energies
+from houle.analysis import energies, phase
 from houle.analysis.energies import Lines, Pieces
 from houle.analysis.errors import AnalysisError
 from houle.analysis.paper import jh2020
@@ -48,6 +48,7 @@ class Task:
 
 def regular(task: Task, number: float | str | None) -> Reflection:
     """First harmonic over whole periods; number: wave number [rad/m], None (linear) or "fit"."""
+    task, turning = _steady(task)
     x, frame = task.front.x, task.frame
     F = energies.per_period(task.front, task.omega, frame.start, frame.periods)
     mean = F.mean(axis=0)
@@ -61,7 +62,11 @@ def regular(task: Task, number: float | str | None) -> Reflection:
         return energies.regular(F[:, chosen, 1], x[chosen], k, method, through)
 
     parts = separate_xt(x, mean, task.omega, task.depth, k, task.gravity)
-    notes = [] if frame.periods >= 5 else [f"{frame.periods} periods only: 5 or more make a steady state believable"]
+    notes = (
+        turning
+        if frame.periods >= 5
+        else [*turning, f"{frame.periods} periods only: 5 or more make a steady state believable"]
+    )
     if number is None and parts[0].residual > RESIDUAL:
         notes.append(
             f"{100 * parts[0].residual:.0f} % of the amplitude is not two waves of k = {k:.4g} rad/m: try "
@@ -74,6 +79,22 @@ def regular(task: Task, number: float | str | None) -> Reflection:
         )
     found = estimate(of, x, k, task)
     return _answer(task, k, found, 2.0, notes, parts[0].residual, harmonics=tuple(parts), amplitudes=mean)
+
+
+def _steady(task: Task) -> tuple[Task, list[str]]:
+    """The task at the period whose phase stands still in the window, and notes. Raises AnalysisError."""
+    frame, front = task.frame, task.front
+
+    def amplitudes(omega: float, periods: int) -> NDArray[Any]:
+        return np.asarray(energies.per_period(front, omega, frame.start, periods, 3)[:, :, 1])
+
+    end = min(frame.end, float(front.time[-1]) + front.step)
+    omega, notes = phase.followed(amplitudes, task.omega, frame.start, end, front)
+    if omega == task.omega:
+        return task, notes
+    periods = int(np.floor((end - frame.start) * omega / (2 * np.pi) + 1e-6))
+    whole = replace(frame, end=frame.start + periods * 2 * np.pi / omega, periods=periods)
+    return replace(task, omega=omega, frame=whole), notes
 
 
 def irregular(task: Task, taper: float = 0.1) -> Reflection:
@@ -158,6 +179,7 @@ def _answer(
     values: dict[str, Any] = dict(zip(("C_R", "C_T", "C_D"), map(float, e.values), strict=True))
     spans = [(float(a), float(b)) for a, b in zip(low, high, strict=True)]
     intervals: dict[str, Any] = dict(zip(("interval_R", "interval_T", "interval_D"), spans, strict=True))
+    notes = [*notes, *_impossible(values, spans)]
     quality: dict[str, Any] = {
         "residual": residual,
         "spread": float(spread(k, task.front.x)),
@@ -175,6 +197,22 @@ def _answer(
         **quality,
         **details,
     )
+
+
+def _impossible(values: dict[str, float], spans: list[tuple[float, float]]) -> list[str]:
+    """What no structure does by itself, when the intervals leave no doubt."""
+    if values["C_R"] > 1.0 and not spans[0][0] <= 1.0:
+        return [
+            f"C_R = {values['C_R']:.3g} is above 1, which no structure does that only stands there: incident and "
+            "reflected waves have changed places. Check the order and the signs of the positions, and towards (-1 if "
+            "the incident waves go to -x)"
+        ]
+    if values["C_D"] < 0.0 and spans[2][1] < 0.0:
+        return [
+            f"C_D = {values['C_D']:.3g} is below 0: more energy leaves than comes. Check the positions and scales of "
+            "the gauges, those behind above all"
+        ]
+    return []
 
 
 def _what(task: Task, k: float) -> dict[str, Any]:

@@ -20,9 +20,12 @@ from numpy.typing import NDArray
 
 from houle.analysis.energies import per_period
 from houle.analysis.errors import AnalysisError, positive
+from houle.analysis.phase import followed
 from houle.analysis.records import Gauges, as_gauges
 from houle.analysis.waves import harmonics
 from houle.waves.dispersion import GRAVITY, wave_number
+
+DATUM = 0.5  # of the height of the waves (or of a tenth of the depth): farther off, a mean level has another zero
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,8 @@ class QualityCard:
     decay        part of the height lost per wavelength
     celerity     over the reference celerity, less 1                        phase   error per wavelength [rad]
     reflection   of the far end, C_R
-    drift        of the mean level over the window [m]                      set_down  mean level less still water [m]
+    drift        of the mean level over the window [m]                      level  the mean itself [m]
+    set_down     mean level less still water [m]; NaN when it is not known where that is
     residual     part of the amplitude that the two waves do not explain
     """
 
@@ -49,6 +53,8 @@ class QualityCard:
     wavelengths: float
     periods: int
     steadiness: float
+    level: float = float("nan")
+    notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return "\n".join([
@@ -59,10 +65,16 @@ class QualityCard:
             f"  celerity          {100 * self.celerity:+.2f} %, phase {np.degrees(self.phase):+.2f} degrees per "
             "wavelength",
             f"  spurious C_R      {self.reflection:.4f}",
-            f"  mean level        drift {1e3 * self.drift:+.3f} mm, {1e3 * self.set_down:+.3f} mm from still water",
+            f"  mean level        drift {1e3 * self.drift:+.3f} mm, {self._level()}",
             f"  steadiness        {100 * self.steadiness:.2f} % between periods (standard deviation of the height)",
             f"  not explained     {100 * self.residual:.2f} % of the amplitude",
+            *(f"  note: {note}" for note in self.notes),
         ])  # fmt: skip
+
+    def _level(self) -> str:
+        if np.isfinite(self.set_down):
+            return f"{1e3 * self.set_down:+.3f} mm from still water"
+        return f"{self.level:.4g} m: neither 0 nor the depth, give still_water="
 
 
 def quality_card(
@@ -81,7 +93,7 @@ def quality_card(
     """The card of an empty flume: five gauges or more over a wavelength or more, less than half a wavelength apart.
 
     source, gauges, window, towards as in reflection(); height the target [m]; still_water its level on the scale of eta
-    [m], the depth if None and the mean level is nearer to it than to 0; reference the wave number [rad/m] that the wave
+    [m]; if None the depth or 0, the nearer to the mean level, unless that is far from both; reference the wave number [rad/m] that the wave
     should have (Fenton's, for its height), linear theory if None. Raises AnalysisError.
     """
     positive(depth=depth, period=period, gravity=gravity)
@@ -95,14 +107,20 @@ def quality_card(
         raise AnalysisError(
             f"the window {window[0]:g} to {window[1]:g} s holds {periods} periods: 2 are needed, 5 are good"
         )
-    F = per_period(g, omega, float(g.time[0]), periods)
+    start = float(g.time[0])
+    omega, notes = followed(lambda w, n: per_period(g, w, start, n)[:, :, 1], omega, start, start + periods * period, g)
+    if notes and omega != 2 * np.pi / period:
+        period = 2 * np.pi / omega
+        periods = int(np.floor((g.time[-1] + g.step - start) / period + 1e-6))
+        k0 = float(wave_number(omega, depth, gravity)) if reference is None else reference
+    F = per_period(g, omega, start, periods)
     first = F[:, :, 1].mean(axis=0)
     kappa, Z, rest = decaying_waves(g.x, first, k0)
     near = g.x.min()
     incident, reflected = abs(Z[0] * np.exp(1j * kappa * near)), abs(Z[1] * np.exp(-1j * kappa * g.x.max()))
     length = 2 * np.pi / kappa.real
     level = _levels(g, period, periods)
-    rest_level = _still_water(float(level.mean()), depth) if still_water is None else still_water
+    rest_level = _still_water(float(level.mean()), depth, height) if still_water is None else still_water
     slope = np.polyfit(np.arange(periods), level, 1)[0]
     sizes = np.abs(F[:, :, 1]).mean(axis=1)
     return QualityCard(
@@ -118,6 +136,8 @@ def quality_card(
         wavelengths=float(np.ptp(g.x) / length),
         periods=periods,
         steadiness=float(sizes.std(ddof=1) / sizes.mean()),
+        level=float(level.mean()),
+        notes=tuple(notes),
     )
 
 
@@ -168,5 +188,7 @@ def _enough(x: NDArray[Any], k: float) -> None:
         )
 
 
-def _still_water(mean: float, depth: float) -> float:
-    return depth if abs(mean - depth) < abs(mean) else 0.0
+def _still_water(mean: float, depth: float, height: float) -> float:
+    """0 or the depth, whichever the mean level is near to; NaN if it is so far from both that no wave explains it."""
+    datum = depth if abs(mean - depth) < abs(mean) else 0.0
+    return datum if abs(mean - datum) <= DATUM * max(height, 0.1 * depth) else float("nan")

@@ -157,6 +157,8 @@ def _raw(source: Any) -> Gauges:
         raise AnalysisError(
             f"eta has shape {rows.shape}, time {np.shape(time)}, x {np.shape(x)}: eta must be (gauges, times)"
         )
+    if np.size(time) < 3:
+        raise AnalysisError(f"the record has {np.size(time)} samples: three or more are needed")
     return Gauges(time, np.atleast_1d(x), rows, tuple(names), notes)
 
 

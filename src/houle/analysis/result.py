@@ -55,7 +55,8 @@ class Reflection:
 
     def __str__(self) -> str:
         wave = "T" if self.kind == "regular" else "T_p"
-        height = "H" if self.kind == "regular" else "H_m0"
+        height = "H of the first harmonic:" if self.kind == "regular" and self.method != "jh2020" else "H"
+        height = height if self.kind == "regular" else "H_m0"
         parts = [
             ("C_R", self.C_R, self.interval_R),
             ("C_T", self.C_T, self.interval_T),
@@ -65,7 +66,7 @@ class Reflection:
         rows = [f"reflection: {self.kind} waves, {wave} = {self.period:.4g} s, {self.method}, {number} gauges in front"]
         rows += [f"  {name}  {_pm(value, span)}" for name, value, span in parts if np.isfinite(value)]
         heights = f"incident {self.H_I:.4g} m, reflected {self.H_R:.4g} m"
-        rows.append(f"  {height}   {heights}" + (f", transmitted {self.H_T:.4g} m" if np.isfinite(self.H_T) else ""))
+        rows.append(f"  {height}  {heights}" + (f", transmitted {self.H_T:.4g} m" if np.isfinite(self.H_T) else ""))
         rows.append(f"  window {self.window}")
         rows.append(f"  interval ({100 * self.confidence:g} %): {self.covers}")
         if np.isfinite(self.residual):

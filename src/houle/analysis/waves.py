@@ -186,8 +186,8 @@ def zero_crossing(time: ArrayLike, eta: ArrayLike, direction: str = "down", thre
     if broken[-1] or not known.all():
         i = int(np.argmax(np.diff(t)))
         notes.append(
-            f"{broken[-1]} holes, {int(np.sum(~known))} samples without level, the longest from t = {t[i]:.5g} to {t[i + 1]:.5g} s: "
-            f"{int(np.sum(~whole))} waves across holes are left out"
+            f"{broken[-1]} holes, {int(np.sum(~known))} samples without level, the longest from t = {t[i]:.5g} to "
+            f"{t[i + 1]:.5g} s: {int(np.sum(~whole))} waves across holes are left out"
         )
     if not whole.any():
         raise AnalysisError(f"no whole wave between holes, the first after t = {t[int(np.argmax(broken > 0)) - 1]:g} s")
