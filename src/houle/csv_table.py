@@ -104,7 +104,7 @@ def read_table(file: Path | str, name: str, error: type[HouleError]) -> Table:
         raise error(f"{name} is not a table of numbers: {problem}") from None
     values[~np.isfinite(values)] = np.nan
     if form.stamps:
-        values[:, 0] -= values[0, 0]
+        values[:, 0] = np.round(values[:, 0] - values[0, 0], 9)  # s, of stamps of a nanosecond
     names, units = form.names or [""] * form.columns, form.units or [""] * form.columns
     if form.stamps == 2:
         names, units = ["time", *names[2:]], ["", *units[2:]]
@@ -344,7 +344,8 @@ def _name_columns(
     form: _Form, head: list[tuple[int, str]], text: list[tuple[int, str]], i: int, rows: list[list[str]]
 ) -> None:
     """Finds names and units in the lines above row i, and how many columns there are."""
-    filled, most = max(len(_trimmed(row)) for row in rows), len(rows[0])
+    counts = [len(_trimmed(row)) for row in rows]
+    filled, most = max(set(counts), key=lambda n: (counts.count(n), n)), len(rows[0])
     form.stamps = _stamp_columns(rows[0])
     above = [line for number, line in text[:i]]
     form.columns = filled
@@ -477,9 +478,9 @@ class _Clock:
         self.form = form
         self.first: tuple[str, ...] | None = None
         self.day_first: bool | None = None
-        self.doubtful = False
         self.last = -np.inf
         self.midnights = 0
+        self.origin: int | None = None  # number of the first day
 
     def seconds(self, cells: list[str], number: int) -> str:
         found = STAMP.fullmatch(" ".join(cells))
@@ -491,7 +492,9 @@ class _Clock:
                 self.midnights += time + 86400.0 * self.midnights < self.last - 43200.0
                 time += 86400.0 * self.midnights
             else:
-                time += 86400.0 * self._day(found, number)
+                day = self._day(found, number)
+                self.origin = day if self.origin is None else self.origin
+                time += 86400.0 * (day - self.origin)
         except ValueError:
             words = " ".join(cells)[:40]
             raise self.form.error(f"{self.form.name}, line {number}: {words!r} is no date or time") from None

@@ -25,10 +25,65 @@ from houle.errors import HouleError
 from houle.waves import record
 
 LONGEST = 2.0  # s
-WORDS = ["abc", "", "NaN", "-9999", "1e400", "1,2,3", "1.2.3", "--", "#N/A", "0x1p3", "1_0", "12:00:00", "2024-13-45",
-         "٣", "−1.5", "1D+02", "inf", '"', "'", "=A1", "-", "9" * 400, "\t", ";", "\x0b", "\x1c", "\x85", " ", "(", "[mm"]  # fmt: skip
-NAMES = ["W1", "W1 [mm]", "x=1.5", "x=150cm", "eta_m", "t_s", "Höhe", "", "1", "W [furlong]", "P [kPa]", "a/b", "[", "x=",
-         "Comment", "Time", "t (ms)", "Zeit [s]", "x", "W(1)", "%", "{}", "s", "mm", "Date"]  # fmt: skip
+WORDS = [
+    "abc",
+    "",
+    "NaN",
+    "-9999",
+    "1e400",
+    "1,2,3",
+    "1.2.3",
+    "--",
+    "#N/A",
+    "0x1p3",
+    "1_0",
+    "12:00:00",
+    "2024-13-45",
+    "٣",
+    "−1.5",
+    "1D+02",
+    "inf",
+    '"',
+    "'",
+    "=A1",
+    "-",
+    "9" * 400,
+    "\t",
+    ";",
+    "\x0b",
+    "\x1c",
+    "\x85",
+    " ",
+    "(",
+    "[mm",
+]
+NAMES = [
+    "W1",
+    "W1 [mm]",
+    "x=1.5",
+    "x=150cm",
+    "eta_m",
+    "t_s",
+    "Höhe",
+    "",
+    "1",
+    "W [furlong]",
+    "P [kPa]",
+    "a/b",
+    "[",
+    "x=",
+    "Comment",
+    "Time",
+    "t (ms)",
+    "Zeit [s]",
+    "x",
+    "W(1)",
+    "%",
+    "{}",
+    "s",
+    "mm",
+    "Date",
+]
 MARKS = [",", ";", "\t", " ", "  ", "|", ", ", ",,"]
 
 
@@ -36,16 +91,33 @@ def table(rng: random.Random) -> bytes:
     """The bytes of a file: lines above, names, units, rows; then spoiled."""
     mark, columns, rows = rng.choice(MARKS), rng.randint(1, 6), rng.choice([0, 1, 2, 3, 5, 30, 200])
     comma, step = rng.random() < 0.3, rng.choice([0.01, 0.5, 1.0, 1e-9, 1e9])
-    lines = [rng.choice(["# a comment", "Flume 3, run 2", "# x: 1.0, 1.35, 1.9", "LabVIEW Measurement", "", "x [mm];1;2",
-                         "Delta_X\t0.01", "***End_of_Header***"]) for _ in range(rng.choice([0, 0, 1, 4]))]  # fmt: skip
+    lines = [
+        rng.choice(
+            [
+                "# a comment",
+                "Flume 3, run 2",
+                "# x: 1.0, 1.35, 1.9",
+                "LabVIEW Measurement",
+                "",
+                "x [mm];1;2",
+                "Delta_X\t0.01",
+                "***End_of_Header***",
+            ]
+        )
+        for _ in range(rng.choice([0, 0, 1, 4]))
+    ]
     if rng.random() < 0.8:
         lines.append(mark.join(["t_s" if rng.random() < 0.5 else rng.choice(NAMES), *rng.choices(NAMES, k=columns)]))
     if rng.random() < 0.2:
         lines.append(mark.join(["s", *rng.choices(["mm", "[cm]", "m", "V", ""], k=columns)]))
     kind = rng.choice(["time", "time", "time", "date", "clock", "none"])
     for i in range(rows):
-        first = {"time": f"{i * step:.10g}", "date": f"2024-03-01 23:59:{i % 60:02d}", "clock": f"12:{i % 60:02d}:00.5",
-                 "none": f"{rng.gauss(0, 1):.4f}"}[kind]  # fmt: skip
+        first = {
+            "time": f"{i * step:.10g}",
+            "date": f"2024-03-01 23:59:{i % 60:02d}",
+            "clock": f"12:{i % 60:02d}:00.5",
+            "none": f"{rng.gauss(0, 1):.4f}",
+        }[kind]
         cells = [first, *(f"{0.1 * np.sin(0.7 * i + c):.6g}" for c in range(columns))]
         lines.append(mark.join(cell.replace(".", ",") if comma else cell for cell in cells))
     for _ in range(rng.choice([0, 0, 1, 2, 3])):

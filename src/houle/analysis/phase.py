@@ -102,8 +102,8 @@ def followed(
 def _refuse(given: float, fits: float, length: float) -> None:
     raise AnalysisError(
         f"the phase turns by {abs(fits - given) * length:.3g} rad in the window of {length:.4g} s at T = "
-        f"{2 * np.pi / given:.6g} s: the period that fits is {2 * np.pi / fits:.6g} s. Give it, or leave the period out "
-        "to have it found"
+        f"{2 * np.pi / given:.6g} s: the period that fits is {2 * np.pi / fits:.6g} s. Give it, or leave the period "
+        "out to have it found"
     )
 
 

@@ -93,8 +93,8 @@ def quality_card(
     """The card of an empty flume: five gauges or more over a wavelength or more, less than half a wavelength apart.
 
     source, gauges, window, towards as in reflection(); height the target [m]; still_water its level on the scale of eta
-    [m]; if None the depth or 0, the nearer to the mean level, unless that is far from both; reference the wave number [rad/m] that the wave
-    should have (Fenton's, for its height), linear theory if None. Raises AnalysisError.
+    [m], if None the depth or 0, the nearer to the mean level, unless that is far from both; reference the wave number
+    [rad/m] that the wave should have (Fenton's, for its height), linear theory if None. Raises AnalysisError.
     """
     positive(depth=depth, period=period, gravity=gravity)
     omega = 2 * np.pi / period
