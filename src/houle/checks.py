@@ -14,13 +14,13 @@ from math import sqrt
 from typing import Literal
 
 import numpy as np
-import shapely
 
 from houle import laboratory
 from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
 from houle.ceiling import memory
 from houle.errors import CaseError
+from houle.geometry import enclosed
 from houle.grid import axes
 from houle.layout import Finding, Section
 from houle.open_checks import open_sides_fit
@@ -59,11 +59,10 @@ def simple_polygons(case: Case) -> Iterator[Finding]:
     for key in ("water", "porous", "solid"):
         for i, row in enumerate(getattr(case, key)):
             if row.polygon is not None:
-                outline = shapely.Polygon(row.polygon)
-                if not outline.is_valid or outline.area == 0:
-                    reason = shapely.is_valid_reason(outline) if outline.area else "it has no area"
-                    where = place((key, i, "polygon"), case.__dict__)
-                    yield Finding("error", where, f"crosses itself or is flat ({reason}): list its corners in order")
+                try:
+                    enclosed(row.polygon)
+                except ValueError as error:
+                    yield Finding("error", place((key, i, "polygon"), case.__dict__), str(error))
 
 
 def inside_domain(s: Section) -> Iterator[Finding]:

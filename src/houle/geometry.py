@@ -22,6 +22,7 @@ from houle.grid import FloatArray, Grid
 
 Span = tuple[float, float]  # of y; everything in 2D
 Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max
+SLIVER = 1e-12  # of the box around a ring: a face that is smaller comes from rounding
 EVERYWHERE: Span = (-np.inf, np.inf)
 
 
@@ -80,7 +81,7 @@ class Box:
 class Polygon:
     """A polygon in the (x, z) plane, over all y in 3D."""
 
-    outline: shapely.Polygon
+    outline: shapely.Geometry  # a polygon, or several
     dimension: int
 
     @property
@@ -143,14 +144,57 @@ def shape_of(entry: Any, dimension: int) -> Shape:
             )
         return Box(lower, upper)
     if (corners := getattr(entry, "polygon", None)) is not None:
-        outline = shapely.Polygon(corners) if len(corners) > 2 else shapely.Polygon()
-        if not (outline.is_valid and outline.area > 0):
-            reason = shapely.is_valid_reason(outline) if outline.area > 0 else "it has no area"
-            raise CaseError(f"polygon = {list(corners)} is not a simple polygon: {reason}. List its corners in order.")
-        return Polygon(outline, dimension)
+        try:
+            return Polygon(enclosed(corners), dimension)
+        except ValueError as error:
+            raise CaseError(f"polygon = {list(corners)} is not a simple polygon: it {error}") from None
     if (level := getattr(entry, "below", None)) is not None:
         return Box((-np.inf,) * dimension, (*[np.inf] * (dimension - 1), float(level)))
     raise CaseError("a shape needs one of: box = [[lower], [upper]], polygon = [[x, z], ...], below = level.")
+
+
+def enclosed(corners: Sequence[tuple[float, float]]) -> shapely.Geometry:
+    """What a ring of corners encloses once, going one way round: a polygon, or several that lines of no width join.
+
+    Corners may repeat or lie on a line, and the ring may go back along itself, as a surveyed bed does that is closed
+    along the floor: what is enclosed is the same without. Raises ValueError where the ring crosses itself, with the
+    place, and where it encloses nothing.
+    """
+    ring = np.asarray(corners, float)
+    outline = shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon()
+    if outline.is_valid and outline.area > 0:
+        return outline
+    ring = ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
+    if len(ring) < 3:
+        raise ValueError("has no area: give corners that enclose some")
+    edges = shapely.unary_union(shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)))
+    faces = polygons(shapely.polygonize([*shapely.get_parts(edges)]))
+    width, height = np.ptp(ring, axis=0)
+    faces = faces[shapely.area(faces) > SLIVER * width * height]
+    turns = np.array([_turns(ring, shapely.point_on_surface(face)) for face in faces], int)
+    if not turns.any():
+        raise ValueError("has no area: give corners that enclose some")
+    way = np.sign(turns[np.argmax(shapely.area(faces) * (turns != 0))])
+    if (wrong := (turns != 0) & (turns != way)).any():
+        x, z = _crossing(ring, faces[wrong][0])
+        raise ValueError(f"crosses itself at [{x:g}, {z:g}]: list its corners in order, going round once")
+    return shapely.union_all(faces[turns != 0])
+
+
+def _turns(ring: FloatArray, place: shapely.Point) -> int:
+    """How often the ring goes round a place, anticlockwise."""
+    (x, z), (x1, z1) = ring.T, np.roll(ring, -1, axis=0).T
+    left = (x1 - x) * (place.y - z) - (z1 - z) * (place.x - x)
+    up, down = (z <= place.y) & (z1 > place.y) & (left > 0), (z > place.y) & (z1 <= place.y) & (left < 0)
+    return int(up.sum()) - int(down.sum())
+
+
+def _crossing(ring: FloatArray, face: shapely.Polygon) -> tuple[float, float]:
+    """A corner of the face that is none of the ring, where two of its edges cross; else any corner."""
+    found = shapely.get_coordinates(face)
+    far = shapely.distance(shapely.points(found), shapely.multipoints(ring))
+    x, z = found[np.argmax(far)]
+    return float(x), float(z)
 
 
 def pieces(shapes: Iterable[Shape]) -> list[Shape]:

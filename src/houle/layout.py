@@ -120,10 +120,11 @@ class Section:
         size = self.case.domain.size
         counted = [e for e, s in zip(self.extent(body), size, strict=True) if e < s * (1 - 1e-9)]
         if body.entry.polygon is not None and counted:
-            outline = shapely.intersection(shapely.Polygon(body.entry.polygon), shapely.box(*self.window))
+            outline = body.shape.section(self.window)
             if self.extent(body)[0] >= size[0] * (1 - 1e-9):
                 counted.append(outline.area / size[0])
-            elif outline.geom_type == "Polygon":
-                centre = polylabel(outline, tolerance=0.02 * min(counted))
-                counted.append(2 * centre.distance(outline.exterior))
+            else:
+                for part in geometry.polygons(outline):
+                    centre = polylabel(part, tolerance=0.02 * min(counted))
+                    counted.append(2 * centre.distance(part.boundary))
         return min(counted, default=inf)

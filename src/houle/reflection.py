@@ -103,9 +103,9 @@ def limits(case: Case, wave: Wave) -> dict[str, Any]:
 
 
 def theory(case: Case, height: float) -> Scatter | None:
-    """Linear theory for incident waves of this height [m], None if the structure is not one vertical block."""
-    asked, waves = case.reflection, case.waves
-    if asked is None or waves is None or waves.kind != "regular" or not asked.theory or not _one_block(case):
+    """Linear theory for incident waves of this height [m], None where there is none: see `no_theory`."""
+    asked = case.reflection
+    if asked is None or not asked.theory or no_theory(case) is not None:
         return None
     flume, body = Flume.of(case), case.porous[0]
     low, high = shape_of(body, case.dimension).bounds
@@ -146,19 +146,38 @@ def as_made(case: Case, found: Reflection) -> float:
     return sea.H_I
 
 
-def _one_block(case: Case) -> bool:
-    """One porous box from the bottom through the surface at the place named in [reflection], nothing else in the way,
-    and either a wall right behind it or a sponge that takes up what it transmits.
+def no_theory(case: Case) -> str | None:
+    """Why linear theory has nothing to say of the structure, in words; None if it has.
+
+    It knows one porous rectangle from the bottom through the surface at the place named in [reflection], nothing else
+    in the way, and either a wall right behind it or something that takes up what it transmits, under regular waves.
     """
     assert case.reflection is not None and case.waves is not None
-    if len(case.porous) != 1 or case.solid or case.porous[0].box is None:
-        return False
-    low, high = case.porous[0].box
-    level = max(w.below or 0.0 for w in case.water)
-    flume = Flume.of(case)
-    front, back = (low[0], high[0]) if flume.towards > 0 else (high[0], low[0])
-    full = low[-1] <= NEAR and high[-1] > level and abs(level - case.waves.depth) < NEAR
-    return full and abs(front - flume.front) < NEAR and (flume.absorbed or abs(back - flume.wall) < NEAR)
+    if case.waves.kind != "regular":
+        return f'waves.kind = "{case.waves.kind}", it is for regular waves'
+    if len(case.porous) != 1:
+        return f"{len(case.porous)} porous bodies, it is for one"
+    if case.solid:
+        return f"solid.{case.solid[0].name} stands in the flume, it is for a porous block alone"
+    body, flume, depth = case.porous[0], Flume.of(case), case.waves.depth
+    shape = shape_of(body, case.dimension)
+    (x0, z0), (x1, z1) = ((float(corner[0]), float(corner[-1])) for corner in shape.bounds)
+    area = shape.section((x0, z0, x1, z1)).area if body.below is None else math.nan
+    if not abs(area - (x1 - x0) * (z1 - z0)) <= 1e-9 * (x1 - x0) * (z1 - z0):
+        return f"porous.{body.name} is no upright rectangle"
+    level = max((w.below or 0.0 for w in case.water), default=0.0)
+    if abs(level - depth) >= NEAR:
+        return f"the water is not below = {depth:g} m everywhere"
+    if z0 > NEAR or z1 <= level:
+        return (
+            f"porous.{body.name} goes from z = {z0:g} to {z1:g} m, not from the bed through the surface at {level:g} m"
+        )
+    front, back = (x0, x1) if flume.towards > 0 else (x1, x0)
+    if abs(front - flume.front) >= NEAR:
+        return f"its face is at x = {front:g} m, reflection.structure begins at {flume.front:g} m"
+    if not flume.absorbed and abs(back - flume.wall) >= NEAR:
+        return f"from its back, x = {back:g} m, to the wall at {flume.wall:g} m nothing takes up what comes through"
+    return None
 
 
 def wave_of(case: Case) -> Wave:
@@ -193,6 +212,8 @@ def record(run: Run) -> dict[str, Any]:
         entry["H_made"] = as_made(run.case, found)
     if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
         entry["theory"] = {n: getattr(known, n) for n in ("C_R", "C_T", "C_D", "friction")}
+    elif run.case.reflection.theory and found.method != "jh2020":
+        entry["no_theory"] = no_theory(run.case)
     return {"reflection": entry}
 
 
@@ -234,6 +255,8 @@ def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
         lines.append(("unexplained", f"{100 * entry['residual']:.2g} % of the amplitude at the gauges"))
     if known:
         lines.append(("linear theory", f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"))
+    if entry.get("no_theory"):
+        lines.append(("linear theory", f"none: {entry['no_theory']}"))
     return [*lines, *(("note", note) for note in entry["notes"])]
 
 

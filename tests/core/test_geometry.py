@@ -200,3 +200,44 @@ def test_the_outline_in_3d_has_a_section_for_each_layer():
     assert outline.top.tolist() == [0.11, 0.32, 0.5]
     assert np.diff(outline.start).reshape(3, -1).any(axis=1).tolist() == [False, True, False]
     assert np.unique(np.abs(outline.edge[:, [1, 3]])).tolist() == [0.05, 0.27]
+
+
+# corners, and the area that they enclose
+RINGS = {
+    "a bed whose foot lies on the floor": ([(0, 0), (4, 0), (8, 0.4), (8, 0)], 0.8),
+    "two bars on a floor": ([(0, 0), (1, 0), (2, 0.2), (3, 0), (5, 0), (6, 0.2), (7, 0), (8, 0)], 0.4),
+    "corners that repeat, and the first one again": ([(0, 0), (0, 0), (1, 0), (1, 1), (1, 1), (0, 1), (0, 0)], 1.0),
+    "corners on a line": ([(0, 0), (0.5, 0), (1, 0), (1, 1), (0.3, 1), (0, 1), (0, 0.7)], 1.0),
+    "a spike outwards": ([(0, 0), (1, 0), (1, 1), (1, 2), (1, 1), (0, 1)], 1.0),
+    "a spike inwards": ([(0, 0), (2, 0), (2, 1), (1, 1), (1, 0.5), (1, 1), (0, 1)], 2.0),
+    "a foot along a slope": ([(0, 0.1), (3.3, 0.37), (6.6, 0.64), (6.6, 0.9), (3.3, 0.37)], 0.429),
+    "a hole on a cut": ([(0, 0), (4, 0), (4, 4), (0, 4), (0, 1), (1, 1), (1, 3), (3, 3), (3, 1), (0, 1)], 12.0),
+    "touching itself at a corner": ([(0, 0), (2, 0), (1, 1), (2, 2), (0, 2), (1, 1)], 2.0),
+    "clockwise": ([(8, 0), (8, 0.4), (4, 0), (0, 0)], 0.8),
+}
+CROSSING = {
+    "a bow tie": ([(0, 0), (1, 1), (1, 0), (0, 1)], (0.5, 0.5)),
+    "a corner through the opposite side": ([(0, 0), (2, 0), (2, 1), (1, -0.5), (0, 1)], None),
+    "twice round": ([(0, 0), (3, 0), (3, 2), (1, 2), (1, 1), (2, 1), (2, 3), (0, 3)], (2.0, 2.0)),
+    "a foot on the floor and a crossing": ([(0, 0), (1, 0), (2, 1), (3, 1), (2, 0.2), (1.5, 2), (4, 2), (4, 0)], None),
+}
+
+
+@pytest.mark.parametrize("ring", RINGS)
+def test_whatever_encloses_one_area_is_a_shape(ring):
+    corners, area = RINGS[ring]
+    for start in range(len(corners)):
+        shape = shape_of(SimpleNamespace(box=None, polygon=corners[start:] + corners[:start], below=None), 2)
+        assert shape.section((-1.0, -1.0, 9.0, 9.0)).area == pytest.approx(area, rel=1e-9)
+        inside = shapely.point_on_surface(shape.outline)
+        assert shape.contains([(inside.x, inside.y), (-0.5, -0.5)]).tolist() == [True, False]
+        assert shape.distance([(inside.x, inside.y)])[0] < 0 < shape.distance([(-0.5, -0.5)])[0]
+
+
+@pytest.mark.parametrize("ring", CROSSING)
+def test_a_ring_that_crosses_itself_is_refused_with_the_place(ring):
+    corners, place = CROSSING[ring]
+    said = "crosses itself at" if place is None else rf"crosses itself at \[{place[0]:g}, {place[1]:g}\]"
+    for start in range(len(corners)):
+        with pytest.raises(CaseError, match=said):
+            shape_of(SimpleNamespace(box=None, polygon=corners[start:] + corners[:start], below=None), 2)
