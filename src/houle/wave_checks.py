@@ -36,6 +36,7 @@ SHORT = 0.5  # of a zone for periodic waves: below is an error
 NEARBY = 3.0  # depths in front of a piston where the water is to be even
 SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
 TOLD = 0.35  # of the rms of a record with its two ends, what a source leaves out: more is a warning
+OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, second order a twelfth
 GROUP = 0.95  # of the crest of a focused group, what its waves that are fast enough make
 SAMPLES = 51  # columns over a maker in which the depth is looked at
 
@@ -76,6 +77,7 @@ def waves_fit(s: Section) -> Iterator[Finding]:
         yield from _stones(s, wave)
     yield from _lid(s, wave)
     yield from _gauges(s, wave)
+    yield from _crests(s, wave)
     if table.kind == "series":
         yield from _record(s, wave)
     if table.focus is not None:
@@ -324,6 +326,21 @@ def _porous_in(s: Section, window: shapely.Geometry, span: Reach = (-inf, inf)) 
 def _layers(s: Section, span: Reach) -> list[geometry.Span]:
     """Those whose middle lies in a span of y [m]; the one of 2D always."""
     return [y for y in s.layers if s.case.dimension == 2 or span[0] <= (y[0] + y[1]) / 2 <= span[1]]
+
+
+def _crests(s: Section, wave: Wave) -> Iterator[Finding]:
+    """Cells in the water over what it covers: short harmonics arise there, and the grid has to carry them."""
+    level, h = s.depth(), s.grid.spacing[-1]
+    for body in (*s.solid, *s.porous):
+        left = level - float(body.shape.bounds[1][-1])
+        if left <= 0.0 or left >= wave.depth * (1 - SAME):
+            continue
+        if (cells := left / h) < OVER * (1 - 1e-9):
+            text = (
+                f"leaves {left:.3g} m of water over its crest, {cells:.1f} cells: with 5 the third harmonic behind a "
+                f"bar was a third too low, {OVER:g} leave a tenth of it; domain.spacing = {left / OVER:.2g}"
+            )
+            yield Finding("warning", body.key, text)
 
 
 def _lid(s: Section, wave: Wave) -> Iterator[Finding]:

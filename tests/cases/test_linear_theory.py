@@ -1,4 +1,4 @@
-"""[reflection]: a rectangle is a block however it is drawn; where linear theory has nothing to say, the reason is told."""
+"""[reflection]: a rectangle is a block however it is drawn; where linear theory has nothing to say, it tells why."""
 
 import pytest
 

@@ -262,3 +262,19 @@ def test_what_a_source_sends_to_the_left_comes_together_where_it_is_asked_for():
     case = focused(GROUP, "left", 3.0, 12.0)
     wave = case.wave  # the wave of -x
     assert wave.elevation(-3.0, 12.0) == pytest.approx(0.03, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["solid", "porous"])
+def test_few_cells_over_the_crest_of_a_bar_are_told(kind):
+    def bar(top, spacing):
+        body = {"polygon": [[4.0, 0.0], [5.0, top], [5.5, top], [6.5, 0.0]]}
+        body |= {"porosity": 0.4, "resistance": {"a": 1.0, "b": 50.0}} if kind == "porous" else {}
+        case = flume(domain={"size": [10.0, 0.4], "spacing": spacing}, **{kind: [body]})
+        return [text for level, key, text in found(case) if key == f"{kind}.{kind}-1" and level == "warning"]
+
+    assert (
+        "0.1 m of water over its crest, 5.0 cells" in bar(0.15, 0.02)[0]
+        and "domain.spacing = 0.01" in bar(0.15, 0.02)[0]
+    )
+    assert bar(0.15, 0.01) == [], "ten"
+    assert bar(0.35, 0.02) == [], "it stands out of the water"
