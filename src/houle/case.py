@@ -179,6 +179,9 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
     if immense := list(case_errors.immense(data)):
         text = f"is beyond any measure: 0, or between {case_errors.SMALLEST:g} and {case_errors.LARGEST:g}, in SI units"
         raise CaseError(case_errors.several([f"{case_errors.told(loc, data)} {text}" for loc in immense]))
+    if odd := list(case_errors.unprintable(data)):
+        text = "holds a control character: letters, digits, signs and blanks only"
+        raise CaseError(case_errors.several([f"{case_errors.told(loc, data)} {text}" for loc in odd]))
     try:
         case = Case.model_validate(data)
     except ValidationError as error:

@@ -19,6 +19,7 @@ from pydantic.fields import FieldInfo
 NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"  # of a case, a body, a gauge
 MOST = 5  # findings told at once
 LONGEST = 80  # letters of a value that are told
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 SMALLEST, LARGEST = 1e-20, 1e20  # of numbers that are not 0
 
 LENGTHS = ((1e-3, "mm"), (1e-2, "cm"))
@@ -134,6 +135,15 @@ def immense(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[str | 
         yield loc
 
 
+def unprintable(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Where text stands that no file, terminal or picture takes: control characters, halves of a pair of UTF-16."""
+    if isinstance(data, Mapping | list | tuple):
+        for key, value in data.items() if isinstance(data, Mapping) else enumerate(data):
+            yield from unprintable(value, (*loc, key))
+    elif isinstance(data, str) and CONTROL.search(data):
+        yield loc
+
+
 def told(loc: Iterable[str | int], data: Any) -> str:
     """porous.dam.porosity = 45: the place and what stands there."""
     value = data
@@ -189,6 +199,8 @@ def _lines(error: Any, model: type[BaseModel], data: dict[str, Any]) -> list[str
         return [f"{shown} is not one of {', '.join(show(v) for v in allowed)}.{near}"]
     if kind == "string_pattern_mismatch":
         return [f"{shown} is not a name: letters, digits, - _ . only, a letter or digit first"]
+    if kind == "string_too_long":
+        return [f"{shown} has {len(value)} letters: at most {error['ctx']['max_length']}"]
     if kind in ("too_short", "too_long"):
         return [
             f"{shown if value else where} has {error['ctx']['actual_length']} entries: {_count(error)}. {_what(field)}"

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from houle.case_errors import NAME, nearest, show, toml_line
+from houle.case_errors import NAME, nearest, shortened, show, toml_line
 from houle.errors import CaseError
 
 if sys.version_info >= (3, 11):
@@ -27,16 +27,30 @@ def shipped() -> list[str]:
 def find(source: str | Path) -> Path:
     """The case file meant: a file, or the name of a shipped case. Raises CaseError with what is near."""
     path = Path(source)
-    if path.is_file():
+    if is_file(path):
         return path
-    if (SHIPPED / str(source) / "case.toml").is_file() and re.match(NAME, str(source)):
+    if re.match(NAME, str(source)) and is_file(SHIPPED / str(source) / "case.toml"):
         return SHIPPED / str(source) / "case.toml"
-    if path.is_dir():
+    if exists(path) and path.is_dir():
         raise CaseError(f"{source} is a folder: give the case file in it, or the name of a shipped case")
+    if exists(path):
+        raise CaseError(f"{source} is a device or a pipe: give a file, or the name of a shipped case")
     near = nearest(str(source).removesuffix(".toml"), shipped())
-    raise CaseError(
-        f"{source}: no such file, and no shipped case of that name.{near} Shipped: {', '.join(shipped()) or 'none'}"
-    )
+    there = ", ".join(shipped()) or "none"
+    raise CaseError(f"{shortened(str(source))}: no such file, and no shipped case of that name.{near} Shipped: {there}")
+
+
+def is_file(path: Path) -> bool:
+    """Whether an ordinary file is there: no folder, device or pipe, and no name that the system does not take."""
+    return exists(path) and path.is_file()
+
+
+def exists(path: Path) -> bool:
+    """Whether something is there; False for a name that the system does not take."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
 
 
 def read_toml(path: Path) -> dict[str, Any]:

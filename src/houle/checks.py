@@ -18,6 +18,7 @@ import numpy as np
 from houle import laboratory
 from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
+from houle.case_files import is_file
 from houle.ceiling import memory
 from houle.errors import CaseError
 from houle.geometry import enclosed
@@ -346,7 +347,7 @@ def machine_memory() -> float | None:
 def reference_is_there(s: Section) -> Iterator[Finding]:
     """The laboratory file named can be opened."""
     r, path = s.case.reference, laboratory.path(s.case)
-    if r is not None and path is not None and not path.is_file():
+    if r is not None and path is not None and not is_file(path):
         text = (
             f'= "{r.surface}" is not a file beside the case file, in {s.case.folder}: put it there, or remove '
             "[reference]"

@@ -185,7 +185,7 @@ def _table(*columns: str) -> Table:
 def _rows(key: str, rows: Rows) -> Table:
     table = _table(key, "what it is", "source")
     for name, (words, source) in rows.items():
-        table.add_row(name, escape(words), escape(source))
+        table.add_row(escape(name), escape(words), escape(source))
     return table
 
 

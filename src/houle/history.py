@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from houle.case_files import exists
 from houle.csv_table import read_columns
 from houle.errors import CaseError
 from houle.grid import FloatArray
@@ -56,6 +57,7 @@ def read_history(
 
     least  number of samples that are needed
     """
+    require_file(file, key, error)
     (time, *values), _ = read_columns(file, ("t_s", *columns), key, error)
     known = np.all(np.isfinite([time, *values]), axis=0)
     rows = np.flatnonzero(known) + 1
@@ -72,6 +74,12 @@ def read_history(
         said = f"{after:g} s stands twice with other values" if before == after else f"{after:g} s follows {before:g} s"
         raise error(f"{key} = {file} needs rising times: {said} (row {rows[i + 1]}); sort its rows, one for each time")
     return History(table[0] - start, list(table[1:]), start)
+
+
+def require_file(file: Path, key: str, error: type[CaseError] = CaseError) -> None:
+    """Raises `error` where something else than a file is: a device or a pipe would be read for ever."""
+    if exists(file) and not file.is_file():
+        raise error(f"{key} = {file} cannot be read: it is a folder, a device or a pipe, no file")
 
 
 def shortcomings(

@@ -33,8 +33,8 @@ def open_sides_fit(s: Section) -> Iterator[Finding]:
         try:
             known.append(records(table, case.folder))
         except CaseError as error:
-            text = str(error)
-            yield Finding("error", key, text.removeprefix(key) if text.startswith(key) else f": {text}")
+            named, _, text = str(error).partition(" ")  # open.left.file = ...
+            yield Finding("error", named, text) if named.startswith(key) else Finding("error", key, f": {error}")
             continue
         if table.file is not None:
             _, held = history(table, case.folder)

@@ -24,7 +24,7 @@ import numpy as np
 from houle.csv_table import header
 from houle.errors import CaseError, SimulationError
 from houle.grid import FloatArray, Grid
-from houle.history import History, read_history
+from houle.history import History, read_history, require_file
 from houle.particles import Particles
 from houle.tables.sides import COLUMNS, Open
 from houle.waves.wave import Wave, ramp
@@ -61,6 +61,7 @@ def records(table: Open, folder: Path) -> dict[str, Record]:
 def history(table: Open, folder: Path) -> tuple[list[str], History]:
     """What the file of an open side holds: keys of COLUMNS, their values on the clock of the run. Raises CaseError."""
     file, key = folder / str(table.file), f"open.{table.side}.file"
+    require_file(file, key)
     there = {name: column for name, column in COLUMNS.items() if column in header(file, key)}
     if not there or {"velocity", "discharge"} <= set(there):
         raise CaseError(

@@ -21,7 +21,7 @@ class Head(Table):
     """[case]"""
 
     name: Name = Field(description="short name of the case, also of its result folder: letters, digits, - _ .")
-    title: str = Field(default="", description="one line for pictures and reports")
+    title: str = Field(default="", max_length=500, description="one line for pictures and reports")
 
 
 class Walls(Table):
