@@ -128,10 +128,10 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
   });
 }
 
-// Velocities from the faces where nothing holds the particles and the inertia of the faces around one differs: linear,
-// and no more energy than the faces have there, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p = sum_f w_fp J_f. (A face of
-// much inertia and little speed beside one of little inertia and much speed makes energy else.) affine (n, D, D): a
-// gradient is kept to the share that is held; may be null.
+// Velocities where the inertia of the faces around a particle differs: linear from the faces, whatever the transfer,
+// and where nothing holds it with no more energy than they have there, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p =
+// sum_f w_fp J_f. (A face of much inertia and little speed beside one of little inertia and much speed makes energy
+// else, and so does what FLIP keeps.) affine (n, D, D): a gradient is kept to the share that is held; may be null.
 template <int D>
 inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFaces<D> velocity, const double* x,
                    double* u, double* affine) {
@@ -152,8 +152,7 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
       });
       if (least == most) return;
       const double share = held_share<a, D>(st, stride, medium.held), made = inertia * mean * mean;
-      if (made > energy) mean *= std::sqrt(energy / made);
-      u[D * p + a] = share * u[D * p + a] + (1.0 - share) * mean;
+      u[D * p + a] = mean * (made > energy ? share + (1.0 - share) * std::sqrt(energy / made) : 1.0);
       if (affine)
         for (int b = 0; b < D; ++b) affine[D * D * p + D * a + b] *= share;
     });

@@ -141,6 +141,11 @@ class Flow:
             found.append((where, around[where]))
         return found
 
+    @cached_property
+    def at_interface(self) -> NDArray[np.bool_]:
+        """`Medium.at_interface`, once."""
+        return self.medium.at_interface
+
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
 

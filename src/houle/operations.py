@@ -20,7 +20,7 @@ from houle.waves.makers import Maker
 LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
 LEAST_DEPTH_CORRECTION = 0.2
 FULL_CORRECTION = 0.25  # Courant number of a step to which the share of the correction is applied
-MOST_CONTRAST = 100.0  # of C_r/n^2 at an interface that the Bernoulli force carries water across
+MOST_CONTRAST = 30.0  # of C_r/n^2 at an interface that the Bernoulli force carries water across
 MOST_SHIFT = 0.1  # cells a correction may move a particle
 
 

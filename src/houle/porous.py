@@ -24,7 +24,7 @@ from houle.solids import ClosedFaces, Outline, closed_faces
 
 FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
-NEAR = 3  # cells from an interface, where water feels it and may come to within a step
+NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
 
 
@@ -53,7 +53,7 @@ class Medium:
         open_cells        open fraction of the volume, 0 where less than `CLOSED`
         energy            <C_r / n^2>
         coefficient       <C_r>
-        contrast          largest over least <C_r / n^2> of the open cells around, three each way; 1: no interface near
+        contrast          largest over least <C_r / n^2> of the open cells `NEAR` each way; 1: no interface near
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed; in single precision
     material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
@@ -92,7 +92,7 @@ class Medium:
         inertias = [b.inertia for b in bodies]
         factors = [c / n**2 for c, n in zip(inertias, porosities, strict=True)]
         energy, coefficient = (_extend(cells.of(v, 1.0), open_cells, grid.periodic) for v in (factors, inertias))
-        contrast = _contrast(energy, open_cells > 0.0, grid.periodic)
+        contrast = _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
         material, materials = _list_materials(grid, bodies, solid, inside)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
         if bodies:
@@ -140,6 +140,11 @@ class Medium:
     @property
     def contrast(self) -> FloatArray:
         return self.kinds["contrast"][self.kind]
+
+    @property
+    def at_interface(self) -> NDArray[np.bool_]:
+        """Cells with another <C_r / n^2> up to two cells away along each axis."""
+        return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > 1.0
 
     def on_faces(self, column: int) -> Faces:
         """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
@@ -205,11 +210,11 @@ def _list_materials(
     return numbers, table
 
 
-def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool]) -> FloatArray:
-    """Largest over least of a positive cell field, over the open cells up to `NEAR` away along each axis; 1 if none."""
+def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool], reach: int) -> FloatArray:
+    """Largest over least of a positive cell field, over the open cells up to `reach` away along each axis; 1 if none."""
     most, least = np.where(open_, energy, -np.inf), np.where(open_, energy, np.inf)
     for axis, wraps in enumerate(periodic):
-        for _ in range(NEAR):
+        for _ in range(reach):
             high, low = (widened(f, axis, wraps) for f in (most, least))
             most = np.moveaxis(np.maximum(np.maximum(high[:-2], high[1:-1]), high[2:]), 0, axis)
             least = np.moveaxis(np.minimum(np.minimum(low[:-2], low[1:-1]), low[2:]), 0, axis)

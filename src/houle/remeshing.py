@@ -98,7 +98,7 @@ def _take_made(flow: Flow, before: FloatArray) -> None:
     for axis, faces in enumerate(flow.held):
         held &= np.minimum(np.delete(faces, 0, axis=axis), np.delete(faces, -1, axis=axis)) > 0
     after = _energy(flow)
-    made = (after > before) & ~held & (flow.medium.contrast > 1.0)
+    made = (after > before) & ~held & flow.at_interface
     if made.any():
         share = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=made))
         flow.particles.velocity *= share.ravel()[_cells(flow), None]
