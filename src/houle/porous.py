@@ -211,7 +211,7 @@ def _list_materials(
 
 
 def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool], reach: int) -> FloatArray:
-    """Largest over least of a positive cell field, over the open cells up to `reach` away along each axis; 1 if none."""
+    """Largest over least of a positive cell field, over the open cells up to `reach` away each way; 1 if none."""
     most, least = np.where(open_, energy, -np.inf), np.where(open_, energy, np.inf)
     for axis, wraps in enumerate(periodic):
         for _ in range(reach):

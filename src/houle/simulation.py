@@ -180,6 +180,8 @@ class Simulation:
         """One time step, never past `stop` [s]; the last step to it is as long as those before."""
         if not (isinstance(stop, Real) and self.time < stop < math.inf):
             raise CaseError(f"stop = {stop!r} is not a time after t = {self.time:g} s: give a later one [s]")
+        if self.steps == 0:
+            self.ledger.open()  # velocities may have been set since it was made
         self._make_room()
         remaining, largest = stop - self.time, self._largest_step()
         count = max(1, math.ceil(remaining / largest - 1e-9))
