@@ -18,7 +18,7 @@ struct Resistance {
   ConstFaces<D, std::int32_t> number;  // of the material of each face, null: 0
   const Material* table = nullptr;     // null: clear water everywhere
   ConstFaces<D> rate;                  // further linear resistance of the faces [1/s], null: none
-  Listed energy;                       // cells <C_r/n^2>, null: 1
+  Listed energy;                       // cells C_r/n^2, null: 1
   ConstFaces<D, std::uint8_t> held;    // where the Bernoulli force acts, null: everywhere
 };
 

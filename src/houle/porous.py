@@ -4,7 +4,7 @@ Everything is fixed in time and exact: shapes are polygons in the section, and w
 piecewise constant property over cells, over one-cell boxes around faces, or with the tent function (moments.py).
 Where shapes overlap, a solid replaces a porous body, and a porous body replaces those before it in the case.
 Resistance per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d; the acceleration is C_r Du/Dt with
-u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force <C_r / n^2>, the kinetic energy of water at
+u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force C_r / n^2, the kinetic energy of water at
 a given Darcy velocity.
 """
 
@@ -51,9 +51,9 @@ class Medium:
         particle_porosity n at the cell centres, between which that of the particles is linear: such that water
                           which fills it fills the tents as it does the pores of the structure (decision 0010)
         open_cells        open fraction of the volume, 0 where less than `CLOSED`
-        energy            <C_r / n^2>
+        energy            C_r / n^2 as <C_r / n> / <n>: that of water that fills the pores of the cell with one u_d
         coefficient       <C_r>
-        contrast          largest over least <C_r / n^2> of the open cells `NEAR` each way; 1: no interface near
+        contrast          largest over least C_r / n^2 of the open cells `NEAR` each way; 1: no interface near
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed; in single precision
     material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
@@ -90,8 +90,8 @@ class Medium:
         cells = _Mean(solid, inside, [over_cells] * grid.dimension)
         open_cells = np.where(cells.open < CLOSED, 0.0, cells.open)
         inertias = [b.inertia for b in bodies]
-        factors = [c / n**2 for c, n in zip(inertias, porosities, strict=True)]
-        energy, coefficient = (_extend(cells.of(v, 1.0), open_cells, grid.periodic) for v in (factors, inertias))
+        factor = cells.of([c / n for c, n in zip(inertias, porosities, strict=True)], 1.0) / cells.of(porosities, 1.0)
+        energy, coefficient = (_extend(field, open_cells, grid.periodic) for field in (factor, cells.of(inertias, 1.0)))
         contrast = _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
         material, materials = _list_materials(grid, bodies, solid, inside)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
@@ -143,7 +143,7 @@ class Medium:
 
     @property
     def at_interface(self) -> NDArray[np.bool_]:
-        """Cells with another <C_r / n^2> up to two cells away along each axis."""
+        """Cells with another C_r / n^2 up to two cells away along each axis."""
         return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > 1.0
 
     def on_faces(self, column: int) -> Faces:
