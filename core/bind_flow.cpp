@@ -1,6 +1,7 @@
 // Bindings of surface, forces, projection, extrapolation, moving particles and sums.
 #include "advect.hpp"
 #include "bind.hpp"
+#include "bind_solids.hpp"
 #include "crossing.hpp"
 #include "energy.hpp"
 #include "held.hpp"
@@ -48,22 +49,6 @@ static Resistance<D> resistance_of(const Grid<D>& g, FaceNumbers& number, const 
   r.energy = listed_of(g, energy, "energy");
   r.held = optional_faces(g, held, "held");
   return r;
-}
-
-// start, number, edges (E, 8), tops of the layers: houle.solids.Outline
-using Outline = std::optional<std::tuple<Array<std::int64_t>, Array<std::int32_t>, Field, Field>>;
-
-template <int D>
-static Solids<D> solids_of(const Grid<D>& g, const Outline& outline) {
-  static_assert(sizeof(SolidEdge) == 8 * sizeof(double));
-  if (!outline) return {};
-  const auto& [start, number, edge, top] = *outline;
-  const index lists = static_cast<index>(top.size()) * g.shape[0] * g.shape[D - 1];
-  require_size(start.size(), lists + 1, "start");
-  require_size(number.size(), start.data()[lists], "number");
-  if (edge.ndim() != 2 || edge.shape(1) != 8) throw std::invalid_argument("the edges must have shape (E, 8)");
-  return {start.data(), number.data(), reinterpret_cast<const SolidEdge*>(edge.data()), top.data(),
-          static_cast<int>(top.size())};
 }
 
 template <int D>

@@ -1,5 +1,6 @@
 // Bindings of remesh.hpp. The number of particles changes, so these functions return new arrays.
 #include "bind.hpp"
+#include "bind_solids.hpp"
 #include "remesh.hpp"
 
 namespace houle {
@@ -33,22 +34,23 @@ template <int D>
 static void bind(nb::module_& m) {
   m.def(
       "remesh_conservative",
-      [](const Grid<D>& g, OptionalListed cells, Array<std::int8_t> body, Field x, Field u, Field volume,
-         OptionalField porosity, index first, index last) {
+      [](const Grid<D>& g, OptionalListed cells, Array<std::int8_t> body, Outline outline, Field x, Field u,
+         Field volume, OptionalField porosity, index first, index last) {
         const auto p = particles_of<D>(x, u, volume, porosity);
         const Listed pores = listed_of(g, cells, "cell_porosity");
         require_size(body.size(), g.cells() << D, "body");
+        const Solids<D> solids = solids_of(g, outline);
         if (last < 0) last = 2 * g.shape[0];
         if (first < 0 || first >= last || last > 2 * g.shape[0]) throw std::invalid_argument("no nodes between walls");
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, {pores, body.data()}, p, first, last);
+          out = remesh_conservative<D>(g, {pores, body.data()}, solids, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },
-      "grid"_a, "cell_porosity"_a.none(), "body"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a.none(),
-      "first"_a = 0, "last"_a = -1,
+      "grid"_a, "cell_porosity"_a.none(), "body"_a, "solids"_a.none(), "position"_a, "velocity"_a, "volume"_a,
+      "porosity"_a.none(), "first"_a = 0, "last"_a = -1,
       "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
   m.def(
       "remesh_paper",

@@ -31,6 +31,15 @@ struct Lattice {  // the nodes, and where a position lies among them
     const index low = a == 0 ? begin : 0, high = a == 0 ? end : n;
     return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
   }
+  std::array<index, D> way(index from, index onto) const {  // in nodes, the short way around periodic axes
+    auto way = Grid<D>::unflat(onto, shape);
+    const auto start = Grid<D>::unflat(from, shape);
+    for (int a = 0; a < D; ++a) {
+      way[a] -= start[a];
+      if (periodic[a] && 2 * std::abs(way[a]) > shape[a]) way[a] += way[a] > 0 ? -shape[a] : shape[a];
+    }
+    return way;
+  }
   double scaled(int a, double x) const {  // in spacings; what is not a number counts as 0, not as a place in memory
     const double s = x / h[a];
     return s > 0.0 ? std::min(s, static_cast<double>(shape[a])) : 0.0;
@@ -41,6 +50,29 @@ struct Lattice {  // the nodes, and where a position lies among them
     return f;
   }
 };
+
+// visit(other) for every node within `radius` of a node along each axis, itself too: once, around periodic axes as well
+template <int D, class Visit>
+inline void each_near(const Lattice<D>& l, index node, index radius, Visit visit) {
+  const auto centre = Grid<D>::unflat(node, l.shape);
+  std::array<index, D> first, width;
+  index all = 1;
+  for (int a = 0; a < D; ++a) {
+    const index n = l.shape[a], low = centre[a] - radius;
+    first[a] = l.periodic[a] ? (low % n + n) % n : std::max<index>(low, 0);
+    width[a] = l.periodic[a] ? std::min(2 * radius + 1, n) : std::min(centre[a] + radius, n - 1) - first[a] + 1;
+    all *= width[a];
+  }
+  for (index c = 0; c < all; ++c) {
+    index rest = c, other = 0;
+    for (int a = D - 1; a >= 0; --a) {
+      const index i = first[a] + rest % width[a];
+      other += (i < l.shape[a] ? i : i - l.shape[a]) * l.stride[a];
+      rest /= width[a];
+    }
+    visit(other);
+  }
+}
 
 template <int D>
 struct LatticeStencil {  // the 4^D nodes around a particle: per axis their place in memory, weight, distance from the

@@ -5,12 +5,14 @@
 // moments of volume are those of the old ones. A particle that does not see all its nodes (free surface,
 // solid) gives to those it sees, one beside a porous interface more to where there is more room; in front of a wall, to
 // the mirror images of those behind. There the centre of what it gives is not where it was: it hands on the difference
-// with its volume, and this moves the receiving particles off their nodes by a fraction of the spacing. So volume,
-// momentum and centre of volume are conserved everywhere, and with them the potential energy. Nodes left nearly empty
-// are merged with a neighbour.
+// with its volume, and this moves the receiving particles off their nodes by a fraction of the spacing. Nodes left
+// nearly empty, or in debt by the negative lobes of M4', are merged with a neighbour. What a solid or a wall holds
+// back, those around give back. So volume, momentum and centre of volume are conserved everywhere, and with them the
+// potential energy.
 #pragma once
 
 #include "lattice.hpp"
+#include "solids.hpp"
 
 namespace houle {
 
@@ -57,12 +59,15 @@ struct ParticleArrays {
   explicit ParticleArrays(index n) : x(n * D), u(n * D), volume(n) {}
 };
 
-// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D
+// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D. stays: of each particle,
+// whether it gives nothing; null: all give.
 template <int D>
-inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs, const ParticleView<D>& p) {
+inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs, const ParticleView<D>& p,
+                                     const unsigned char* stays = nullptr) {
   std::vector<double> fill(static_cast<std::size_t>(l.nodes()), 0.0);
   double* f = fill.data();
   slabs.scatter([=, &l](index i) {
+    if (stays && stays[i]) return;
     const double bulk = p.bulk(i) / l.volume;
     LatticeStencil<D>(l, p.x + i * D).each([=](index node, double w, const int*) { f[node] += w * bulk; });
   });
@@ -102,6 +107,13 @@ struct Gathered {               // what a node was given
     for (int a = 0; a < D; ++a) momentum[a] = p.volume[i] * p.u[i * D + a];
   }
 
+  bool sound() const { return bulk > 0 && volume > 0; }  // debts: the negative lobes of M4' in thin water
+  bool nothing() const {
+    double sum = std::abs(volume) + std::abs(bulk);
+    for (int a = 0; a < D; ++a) sum += std::abs(momentum[a]) + std::abs(moment[a]);
+    return sum == 0;
+  }
+
   void take(double w, const Gathered& g) {
     volume += w * g.volume;
     bulk += w * g.bulk;
@@ -118,6 +130,7 @@ constexpr double receive = 0.1;  // a node with less does not take part
 constexpr double keep = 0.05;    // a node that got less gives it to its fullest neighbour
 constexpr double weigh = 0.3;    // weights with the porosity, over those without and the particle's own
 constexpr double see = 0.5;      // weights a particle must see, else all goes to the nearest node within h
+constexpr index far = 32;        // nodes from which a debt is paid, or a moment taken, at most
 }  // namespace remesh
 
 // Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is.
@@ -178,159 +191,329 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   return true;
 }
 
-// The open node within `radius` nodes that holds most, if it holds more than `least`; -1: none
+// Whether no solid half cell stands between two nodes.
 template <int D>
-inline index fullest_neighbour(const Lattice<D>& l, index node, int radius, double least, const std::int32_t* number,
-                               const Gathered<D>* nodes) {
-  const auto centre = Grid<D>::unflat(node, l.shape);
-  const index width = 2 * radius + 1, candidates = D == 2 ? width * width : width * width * width;
-  index best = -1;
-  for (index c = 0; c < candidates; ++c) {
-    index rest = c, other = 0;
-    bool inside = true;
-    for (int a = D - 1; a >= 0; --a, rest /= width) {
-      index i = centre[a] + rest % width - radius;
-      if (l.periodic[a]) i = (i + l.shape[a]) % l.shape[a];
-      inside = inside && i >= 0 && i < l.shape[a];
-      other += i * l.stride[a];
+inline bool in_sight(const Lattice<D>& l, const Pores<D>& pores, index from, index onto) {
+  const auto way = l.way(from, onto);
+  index steps = 1;
+  for (int a = 0; a < D; ++a) steps = std::max(steps, std::abs(way[a]));
+  const auto start = Grid<D>::unflat(from, l.shape);
+  for (index s = 1; s < steps; ++s) {
+    index node = 0;
+    for (int a = 0; a < D; ++a) {
+      const double share = static_cast<double>(s * way[a]) / static_cast<double>(steps);
+      node += inside(start[a] + static_cast<index>(std::round(share)), l.shape[a], l.periodic[a]) * l.stride[a];
     }
-    if (!inside || number[other] < 0) continue;
-    if (nodes[number[other]].bulk > least) {
-      least = nodes[number[other]].bulk;
-      best = other;
-    }
+    if (pores.closed(l, node)) return false;
   }
+  return true;
+}
+
+// Of the other nodes in sight within `radius` nodes that may(what they hold), the one that holds most; -1: none
+template <int D, class May>
+inline index fullest_neighbour(const Lattice<D>& l, const Pores<D>& pores, index node, index radius,
+                               const std::int32_t* number, const Gathered<D>* nodes, May may) {
+  index best = -1;
+  double most = 0;
+  each_near(l, node, radius, [&](index other) {
+    if (number[other] < 0 || other == node) return;
+    const Gathered<D>& g = nodes[number[other]];
+    if (!(g.bulk > most && may(g)) || !in_sight(l, pores, node, other)) return;
+    most = g.bulk;
+    best = other;
+  });
   return best;
 }
 
 // All that `given` at node `from` has goes to `taken` at node `onto`, with its centre where it was.
 template <int D>
-inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D> given, Gathered<D>& taken) {
-  const auto i = Grid<D>::unflat(from, l.shape), j = Grid<D>::unflat(onto, l.shape);
-  for (int a = 0; a < D; ++a) {
-    index step = i[a] - j[a];
-    if (l.periodic[a] && 2 * std::abs(step) > l.shape[a]) step += step > 0 ? -l.shape[a] : l.shape[a];
-    given.moment[a] += given.volume * static_cast<double>(step) * l.h[a];
-  }
+inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D>& given, Gathered<D>& taken) {
+  const auto way = l.way(onto, from);
+  for (int a = 0; a < D; ++a) given.moment[a] += given.volume * static_cast<double>(way[a]) * l.h[a];
   taken.take(1, given);
+  given = {};  // so that nobody hands anything to it any more
 }
 
-// A node still in debt (the negative lobes of M4' in thin water) is paid off by the fullest node around that
-// has amply more than the debt, however far: rare, so one by one. Its volume can be in debt and its bulk not,
-// where the porosity changes.
+// A node still in debt is paid off by the fullest node in sight that has amply more than the debt, however far: rare,
+// so one by one. Its volume can be in debt and its bulk not, where the porosity changes.
 template <int D>
-inline void repay(const Lattice<D>& l, const Receivers<D>& receivers, Gathered<D>* nodes,
-                  std::vector<unsigned char>& gone) {
+inline bool repay(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, index r,
+                  Gathered<D>* nodes) {
   const std::int32_t* number = receivers.number.data();
-  const unsigned char* left = gone.data();
-  for (index r : parallel_where(receivers.count(),
-                                [=](index r) { return !left[r] && !(nodes[r].bulk > 0 && nodes[r].volume > 0); })) {
-    const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
-    for (int radius = 2; radius <= 32 && !gone[r]; radius *= 2) {
-      const index to = fullest_neighbour(l, receivers.node[r], radius, debt, number, nodes);
-      if (to < 0) continue;
-      hand_over(l, receivers.node[r], to, nodes[r], nodes[number[to]]);
-      gone[r] = 1;
+  const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
+  const auto rich = [=](const Gathered<D>& g) { return g.bulk > debt && g.volume > debt; };
+  for (index radius = 2; radius <= remesh::far; radius *= 2) {
+    const index to = fullest_neighbour(l, pores, receivers.node[r], radius, number, nodes, rich);
+    if (to < 0) continue;
+    hand_over(l, receivers.node[r], to, nodes[r], nodes[number[to]]);
+    return true;
+  }
+  return false;
+}
+
+// Where no node has so much the nearest give the debtor all they have, until it owns amply more than it owed: the water
+// of a drop or a tip in one particle, if need be.
+template <int D>
+inline void collect(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, index r,
+                    Gathered<D>* nodes) {
+  const std::int32_t *number = receivers.number.data(), *node = receivers.node.data();
+  const double volume = std::max(0.0, -3 * nodes[r].volume), bulk = std::max(0.0, -3 * nodes[r].bulk);
+  for (index radius = 1; radius <= remesh::far;) {
+    if (nodes[r].sound() && nodes[r].volume >= volume && nodes[r].bulk >= bulk) return;
+    const index from =
+        fullest_neighbour(l, pores, node[r], radius, number, nodes, [](const Gathered<D>&) { return true; });
+    if (from >= 0)
+      hand_over(l, from, node[r], nodes[number[from]], nodes[r]);
+    else
+      radius *= 2;
+  }
+}
+
+// Nodes that hold less than `keep` of a half cell, or less than nothing, give it all away to a neighbour that holds
+// more; a little water with no neighbour to go to stays. A node that has given has nothing, and is given nothing.
+template <int D>
+inline void merge_small(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, Gathered<D>* nodes) {
+  const index count = receivers.count();
+  const std::int32_t *number = receivers.number.data(), *node = receivers.node.data();
+  const double enough = remesh::keep * l.volume;
+  const auto holds = [=](const Gathered<D>& g) { return g.bulk > enough; };
+  std::vector<std::int32_t> target(count);
+  std::int32_t* to = target.data();
+  for (bool all = false; !all;) {  // a debt can leave the node that pays it with little
+    parallel_for(count, [=, &l, &pores](index r) {
+      to[r] = -1;
+      if (nodes[r].bulk >= enough || nodes[r].nothing()) return;
+      for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
+        to[r] = static_cast<std::int32_t>(fullest_neighbour(l, pores, node[r], radius, number, nodes, holds));
+    });
+    const auto small = parallel_where(count, [=](index r) { return to[r] >= 0; });
+    for (index r : small) hand_over(l, node[r], to[r], nodes[r], nodes[number[to[r]]]);
+    all = small.empty();
+  }
+  for (index r : parallel_where(count, [=](index r) { return !nodes[r].sound() && !nodes[r].nothing(); }))
+    if (!nodes[r].sound() && !nodes[r].nothing() && !repay(l, pores, receivers, r, nodes))
+      collect(l, pores, receivers, r, nodes);
+}
+
+// Where particles may be: in the tank, between the walls, in the pores, outside of the solids.
+template <int D>
+struct Space {
+  const Grid<D>& grid;
+  const Lattice<D>& l;
+  const Pores<D>& pores;
+  Solids<D> solids;
+
+  bool in_pores(const double* x) const {
+    for (int a = 0; a < D; ++a)
+      if (!(x[a] >= 0 && x[a] <= l.h[a] * static_cast<double>(l.shape[a]))) return false;
+    return !pores.closed(l, l.half_cell(x));
+  }
+  bool holds(const double* x) const { return in_pores(x) && !in_solid(grid, solids, x); }
+  void move(double* x, double step, const double* way) const {  // around periodic axes
+    for (int a = 0; a < D; ++a) {
+      x[a] += step * way[a];
+      wrap(a, x[a]);
     }
   }
-}
-
-// Nodes that hold less than `keep` of a half cell (or less than nothing: M4' has negative lobes) give it all away. On
-// return gone[r] tells which; a little water with no neighbour to go to stays (but none below nothing).
-template <int D>
-inline std::vector<unsigned char> merge_small(const Lattice<D>& l, const Receivers<D>& receivers, Gathered<D>* nodes) {
-  const index count = receivers.count();
-  std::vector<std::int32_t> target(count, -1);
-  std::vector<unsigned char> gone(count, 0);
-  const std::int32_t* number = receivers.number.data();
-  const std::int32_t* node = receivers.node.data();
-  std::int32_t* to = target.data();
-  const double enough = remesh::keep * l.volume;
-  unsigned char* given = gone.data();
-  parallel_for(count, [=, &l](index r) {
-    given[r] = nodes[r].volume == 0;
-    if (given[r] || nodes[r].bulk >= enough) return;
-    for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)
-      to[r] = static_cast<std::int32_t>(fullest_neighbour(l, node[r], radius, enough, number, nodes));
-  });
-  for (index r : parallel_where(count, [=](index r) { return to[r] >= 0; })) {
-    hand_over(l, node[r], to[r], nodes[r], nodes[number[to[r]]]);
-    gone[r] = 1;
-  }
-  repay(l, receivers, nodes, gone);
-  return gone;
-}
-
-// Position of the particle of a node: where its water came from on average, never in a solid half cell.
-template <int D>
-inline void place(const Lattice<D>& l, const Pores<D>& pores, index node, const Gathered<D>& g, double* x) {
-  const auto at = Grid<D>::unflat(node, l.shape);
-  double offset[D];
-  bool inside = true;
-  for (int a = 0; a < D; ++a) {
+  void wrap(int a, double& x) const {
     const double size = l.h[a] * static_cast<double>(l.shape[a]);
-    offset[a] = std::clamp(g.moment[a] / g.volume, -l.h[a], l.h[a]);
-    x[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a] + offset[a];
-    if (l.periodic[a]) x[a] -= size * std::floor(x[a] / size);
-    inside = inside && x[a] >= 0 && x[a] <= size;
+    if (l.periodic[a] && !(x >= 0 && x < size)) x -= size * std::floor(x / size);
   }
-  if (inside && !pores.closed(l, l.half_cell(x))) return;
-  constexpr double half = 0.5 - 1e-9;
-  for (int a = 0; a < D; ++a)
-    x[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a] + std::clamp(offset[a], -half * l.h[a], half * l.h[a]);
+};
+
+// Position of the particle of a node: where its water came from on average, at most a spacing off, never in a solid.
+// On return its moment is what this takes from V x: zero but for the particle that is held back.
+template <int D>
+inline void place(const Space<D>& space, index node, Gathered<D>& g, double* x) {
+  const Lattice<D>& l = space.l;
+  const auto at = Grid<D>::unflat(node, l.shape);
+  double right[D], lies[D];
+  for (int a = 0; a < D; ++a) {
+    const double centre = (static_cast<double>(at[a]) + 0.5) * l.h[a], offset = g.moment[a] / g.volume;
+    right[a] = centre + offset;
+    x[a] = lies[a] = centre + std::clamp(offset, -l.h[a], l.h[a]);
+    space.wrap(a, x[a]);
+  }
+  if (!space.in_pores(x)) {  // back into the half cell of the node
+    constexpr double half = 0.5 - 1e-9;
+    for (int a = 0; a < D; ++a) {
+      const double centre = (static_cast<double>(at[a]) + 0.5) * l.h[a];
+      x[a] = lies[a] = centre + std::clamp(lies[a] - centre, -half * l.h[a], half * l.h[a]);
+    }
+  }
+  double before[D];
+  for (int a = 0; a < D; ++a) before[a] = x[a];
+  if (in_solid(space.grid, space.solids, x)) {  // round a corner, or in a half cell that the outline cuts
+    leave_solids(space.grid, space.solids, x);
+    bring_into_tank(space.grid, x);
+  }
+  for (int a = 0; a < D; ++a) g.moment[a] = g.volume * (right[a] - lies[a] + (before[a] - x[a]));
 }
+
+// What one of the held back particles takes from the moment goes to those around it, which all move by the same
+// fraction of a spacing: the nearest that may all go there and are enough.
+template <int D>
+class Neighbours {
+ public:
+  Neighbours(const Space<D>& space, const Receivers<D>& receivers, const std::vector<std::int32_t>& kept,
+             ParticleArrays<D>& particles)
+      : space_(space), receivers_(receivers), place_(receivers.count(), -1), p_(particles) {
+    for (std::size_t i = 0; i < kept.size() && kept[i] < receivers.count(); ++i)
+      place_[kept[i]] = static_cast<std::int32_t>(i);
+  }
+
+  bool take(index r, const double* moment) {
+    double size = 0, way[D], least = space_.l.h[0];
+    for (int a = 0; a < D; ++a) {
+      size += moment[a] * moment[a];
+      least = std::min(least, space_.l.h[a]);
+    }
+    size = std::sqrt(size);
+    for (int a = 0; a < D; ++a) way[a] = moment[a] / size;
+    for (double most : {0.25, 1.0, 4.0})
+      for (index radius = 1; radius <= remesh::far; radius *= 2) {
+        find(receivers_.node[r], radius, most * least, way);
+        if (shift(size, most * least, way)) return true;
+      }
+    return false;
+  }
+
+ private:
+  const Space<D>& space_;
+  const Receivers<D>& receivers_;
+  std::vector<std::int32_t> place_, found_;  // of each receiver, number of its particle or -1; those that may move
+  ParticleArrays<D>& p_;
+
+  bool can_go(index i, double step, const double* way) const {
+    double x[D];
+    for (int a = 0; a < D; ++a) x[a] = p_.x[i * D + a];
+    space_.move(x, step, way);
+    return space_.holds(x);
+  }
+  void find(index node, index radius, double step, const double* way) {
+    found_.clear();
+    each_near(space_.l, node, radius, [&](index other) {
+      const index r = receivers_.number[other], i = r < 0 ? -1 : place_[r];
+      if (i >= 0 && in_sight(space_.l, space_.pores, node, other) && can_go(i, step, way))
+        found_.push_back(static_cast<std::int32_t>(i));
+    });
+  }
+  bool shift(double size, double most, const double* way) {
+    for (;;) {
+      double volume = 0;
+      for (index i : found_) volume += p_.volume[i];
+      if (!(size <= most * volume)) return false;
+      const double step = size / volume;
+      const auto end = std::remove_if(found_.begin(), found_.end(), [&](index i) { return !can_go(i, step, way); });
+      if (end == found_.end()) {
+        for (index i : found_) space_.move(p_.x.data() + i * D, step, way);
+        return true;
+      }
+      found_.erase(end, found_.end());
+    }
+  }
+};
 
 // What the nodes were given, and what of the old particles gave nothing: all that remeshing needs when it has done.
 template <int D>
 struct Shared {
-  std::vector<std::int32_t> node;     // of each receiver
+  Receivers<D> receivers;
   std::vector<Gathered<D>> gathered;  // by each receiver
   std::vector<std::int32_t> from;  // of the new particles: number of the receiver, then count + number of the old one
 };
 
+// stays: of each particle, whether it must give nothing; on return, whether it gave nothing.
 template <int D>
-inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const ParticleView<D>& p) {
+inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const ParticleView<D>& p,
+                           std::vector<unsigned char>& stayed) {
   const Slabs<D> slabs(l, p.n, p.x);
-  Receivers<D> receivers(l, node_fill(l, slabs, p), &pores, remesh::receive);
-  const index count = receivers.count();
-  Shared<D> shared;
-  shared.gathered.resize(count);
-  std::vector<unsigned char> stayed(p.n);
-  Gathered<D>* nodes = shared.gathered.data();
   unsigned char* stays = stayed.data();
-  slabs.scatter([=, &l, &pores, &receivers](index i) { stays[i] = !give(l, pores, receivers, p, i, nodes); });
-  const auto gone = merge_small(l, receivers, nodes);
-  const unsigned char* left = gone.data();
-  shared.from = parallel_where(count, [=](index r) { return !left[r]; });
+  Shared<D> shared{Receivers<D>(l, node_fill(l, slabs, p, stays), &pores, remesh::receive), {}, {}};
+  const Receivers<D>& receivers = shared.receivers;
+  const index count = receivers.count();
+  shared.gathered.resize(count);
+  Gathered<D>* nodes = shared.gathered.data();
+  slabs.scatter(
+      [=, &l, &pores, &receivers](index i) { stays[i] = stays[i] || !give(l, pores, receivers, p, i, nodes); });
+  merge_small(l, pores, receivers, nodes);
+  shared.from = parallel_where(count, [=](index r) { return !nodes[r].nothing(); });
   for (index i : parallel_where(p.n, [=](index i) { return stays[i] != 0; }))
     shared.from.push_back(static_cast<std::int32_t>(count + i));
-  shared.node = std::move(receivers.node);
   return shared;
 }
 
-// The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
-// Conserves sum V and sum V u_d to round-off, and sum V x but for the rare particle held back by
-// place(). first, last: nodes along the first axis between which the water is; walls stand at both ends.
 template <int D>
-inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>& pores, const ParticleView<D>& p,
-                                             index first, index last) {
-  const Lattice<D> l(grid, first, last);
-  const Shared<D> shared = share_out(l, pores, p);
-  const index size = static_cast<index>(shared.from.size()), count = static_cast<index>(shared.node.size());
+inline ParticleArrays<D> placed(const Space<D>& space, Shared<D>& shared, const ParticleView<D>& p) {
+  const index size = static_cast<index>(shared.from.size()), count = shared.receivers.count();
   ParticleArrays<D> out(size);
-  const std::int32_t *source = shared.from.data(), *node = shared.node.data();
-  const Gathered<D>* nodes = shared.gathered.data();
+  const std::int32_t *source = shared.from.data(), *node = shared.receivers.node.data();
+  Gathered<D>* nodes = shared.gathered.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
-  parallel_for(size, [=, &l](index i) {
+  parallel_for(size, [=, &space](index i) {
     const index r = source[i], old = r - count;
     volume[i] = r < count ? nodes[r].volume : p.volume[old];
-    if (r < count) place(l, pores, node[r], nodes[r], x + i * D);
+    if (r < count) place(space, node[r], nodes[r], x + i * D);
     for (int a = 0; a < D; ++a) {
       if (r >= count) x[i * D + a] = p.x[old * D + a];
       u[i * D + a] = r < count ? nodes[r].momentum[a] / nodes[r].volume : p.u[old * D + a];
     }
   });
   return out;
+}
+
+// Gives what the held back particles take from the moment to those around them. Returns the nodes whose particle is in
+// debt, or has a moment that nobody can take.
+template <int D>
+inline std::vector<index> settle(const Space<D>& space, const Shared<D>& shared, ParticleArrays<D>& out) {
+  const index size = static_cast<index>(shared.from.size()), count = shared.receivers.count();
+  const std::int32_t* source = shared.from.data();
+  const Gathered<D>* nodes = shared.gathered.data();
+  const auto held = parallel_where(size, [=](index i) {
+    if (source[i] >= count) return false;
+    const Gathered<D>& g = nodes[source[i]];
+    double sum = 0;
+    for (int a = 0; a < D; ++a) sum += std::abs(g.moment[a]);
+    return !(g.sound() && sum == 0);
+  });
+  std::vector<index> open;
+  if (held.empty()) return open;
+  Neighbours<D> neighbours(space, shared.receivers, shared.from, out);
+  for (index i : held) {
+    const Gathered<D>& g = nodes[source[i]];
+    if (!(g.sound() && neighbours.take(source[i], g.moment))) open.push_back(shared.receivers.node[source[i]]);
+  }
+  return open;
+}
+
+// The particles within `radius` nodes of one of the nodes are to stay as they are.
+template <int D>
+inline void leave_as_they_are(const Lattice<D>& l, const std::vector<index>& nodes, index radius,
+                              const ParticleView<D>& p, std::vector<unsigned char>& stayed) {
+  std::vector<unsigned char> near(static_cast<std::size_t>(l.nodes()), 0);
+  for (index node : nodes) each_near(l, node, radius, [&](index other) { near[other] = 1; });
+  const unsigned char* marked = near.data();
+  unsigned char* stays = stayed.data();
+  parallel_for(p.n, [=, &l](index i) { stays[i] = stays[i] || marked[l.half_cell(p.x + i * D)]; });
+}
+
+// The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
+// Conserves sum V, sum V u_d and sum V x to round-off: water of which no particles can be made so, a drop around the
+// corner of a solid, is left as it is. first, last: nodes along the first axis between which the water is; walls stand
+// at both ends.
+template <int D>
+inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>& pores, const Solids<D>& solids,
+                                             const ParticleView<D>& p, index first, index last) {
+  const Lattice<D> l(grid, first, last);
+  const Space<D> space{grid, l, pores, solids};
+  const index all = *std::max_element(l.shape.begin(), l.shape.end());
+  std::vector<unsigned char> stayed(p.n, 0);
+  for (index radius = 4;; radius *= 2) {
+    Shared<D> shared = share_out(l, pores, p, stayed);
+    ParticleArrays<D> out = placed(space, shared, p);
+    const std::vector<index> open = settle(space, shared, out);
+    if (open.empty() || radius > 2 * all) return out;
+    leave_as_they_are(l, open, radius, p, stayed);
+  }
 }
 
 // The paper's remeshing, eqs (6)-(7) with V_j inside the sum and tensor weights: a full particle, V = n h^D, on every

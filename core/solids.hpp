@@ -74,6 +74,23 @@ inline WayOut way_out(const Grid<D>& g, const Solids<D>& solids, int layer, cons
   return found;
 }
 
+// The section that holds a point.
+template <int D>
+inline int layer_of(const Solids<D>& solids, const double* x) {
+  int layer = 0;
+  if constexpr (D == 3)
+    while (layer + 1 < solids.layers && x[1] >= solids.top[layer]) ++layer;
+  return layer;
+}
+
+// Whether a point in the tank lies in a solid.
+template <int D>
+inline bool in_solid(const Grid<D>& g, const Solids<D>& solids, const double* x) {
+  if (!solids.edge) return false;
+  const double at[2] = {x[0], x[D - 1]};
+  return way_out(g, solids, layer_of(solids, x), at, 0.0).depth > 0.0;
+}
+
 // Takes a point in the tank that lies in a solid to the nearest place outside: in its section, or, in 3D, across the
 // ends of the layers.
 template <int D>
@@ -81,9 +98,7 @@ inline void leave_solids(const Grid<D>& g, const Solids<D>& solids, double* x) {
   constexpr int up = D - 1;
   constexpr double beyond = 1e-9;  // cells
   const double at[2] = {x[0], x[up]}, margin = beyond * g.h[0];
-  int layer = 0;
-  if constexpr (D == 3)
-    while (layer + 1 < solids.layers && x[1] >= solids.top[layer]) ++layer;
+  const int layer = layer_of(solids, x);
   const WayOut out = way_out(g, solids, layer, at, margin);
   if (out.depth == 0.0) return;
   if constexpr (D == 3) {

@@ -45,82 +45,176 @@ def half_cells(grid, cells, body):
 
 
 def conservative(grid, pores, position, velocity, volume, porosity):
-    """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules."""
-    d, half = grid.dimension, np.array(grid.spacing) / 2
-    shape = tuple(2 * n for n in grid.shape)
+    """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules. No outline: half cells only."""
+    lattice = Lattice(grid, pores)
+    stays, radius = np.zeros(len(volume), bool), 4
+    while True:
+        got, stayed = lattice.share_out(position, velocity, volume, porosity, stays)
+        lattice.merge(got)
+        x, held = lattice.place(got)
+        open_nodes = [node for node, moment in held.items() if not lattice.settle(node, moment, x, got)]
+        if not open_nodes:
+            break
+        homes = [lattice.half_cell(at) for at in position]
+        near = {other for node in open_nodes for other in lattice.near(node, radius)}
+        stays, radius = stayed | np.array([home in near for home in homes]), 2 * radius
+    nodes = sorted(x)
+    new = [(x[i], got[i].momentum / got[i].volume, got[i].volume) for i in nodes]
+    new += [(position[p], velocity[p], volume[p]) for p in np.flatnonzero(stayed)]
+    return tuple(np.array(column) for column in zip(*new, strict=True))
 
-    def half_cell(x):
-        return tuple(np.minimum((x / half).astype(int), np.array(shape) - 1))
 
-    stencils = [list(stencil(grid, x)) for x in position]
+class Gathered:
+    """What a node was given: V, V/n, V u_d, V (where the water was - where the node is)."""
 
-    fill = np.zeros(shape)
-    for nodes, v, n in zip(stencils, volume, porosity, strict=True):
-        for node, w, _ in nodes:
-            fill[node] += w * v / n / half.prod()
-    receives = (fill >= RECEIVE) & (pores > 0)
+    def __init__(self, d):
+        self.volume = self.bulk = 0.0
+        self.momentum, self.moment = np.zeros(d), np.zeros(d)
 
-    got_volume, got_bulk = np.zeros(shape), np.zeros(shape)
-    got_momentum, got_moment = np.zeros((*shape, d)), np.zeros((*shape, d))
-    stayed = []
-    for p, nodes in enumerate(stencils):
-        own = pores[half_cell(position[p])]
+    def take(self, w, volume, bulk, momentum, moment):
+        self.volume += w * volume
+        self.bulk += w * bulk
+        self.momentum += w * momentum
+        self.moment += w * moment
+
+
+class Lattice:
+    """The nodes of a grid, one per half cell, and the rules by which they get water and give it on."""
+
+    def __init__(self, grid, pores):
+        self.grid, self.pores, self.d = grid, pores, grid.dimension
+        self.half, self.shape = np.array(grid.spacing) / 2, tuple(2 * n for n in grid.shape)
+
+    def half_cell(self, x):
+        return tuple(int(i) for i in np.minimum((x / self.half).astype(int), np.array(self.shape) - 1))
+
+    def centre(self, node):
+        return (np.array(node) + 0.5) * self.half
+
+    def near(self, node, radius):
+        """The nodes within `radius` nodes, once each."""
+        lines = []
+        for i, n, periodic in zip(node, self.shape, self.grid.periodic, strict=True):
+            line = range(i - radius, i + radius + 1)
+            lines.append(list(dict.fromkeys(k % n for k in line)) if periodic else [k for k in line if 0 <= k < n])
+        return itertools.product(*lines)
+
+    def way(self, onto, node):
+        """From a node to another [nodes], the short way around periodic axes."""
+        way = np.subtract(onto, node)
+        far = np.array(self.grid.periodic) & (2 * np.abs(way) > self.shape)
+        return way - far * np.sign(way) * self.shape
+
+    def in_sight(self, node, other):
+        way = self.way(other, node)
+        steps = max(1, np.abs(way).max())
+        for s in range(1, steps):
+            share = s * way / steps
+            between = np.array(node) + np.sign(share) * np.floor(np.abs(share) + 0.5)
+            if self.pores[tuple(np.mod(between, self.shape).astype(int))] <= 0:
+                return False
+        return True
+
+    def share_out(self, position, velocity, volume, porosity, stays):
+        stencils = [list(stencil(self.grid, x)) for x in position]
+        fill = np.zeros(self.shape)
+        for p in np.flatnonzero(~stays):
+            for node, w, _ in stencils[p]:
+                fill[node] += w * volume[p] / porosity[p] / self.half.prod()
+        receives = (fill >= RECEIVE) & (self.pores > 0)
+        got = {tuple(int(i) for i in node): Gathered(self.d) for node in np.argwhere(receives)}
+        stayed = stays.copy()
+        for p in np.flatnonzero(~stays):
+            shares = self.shares(position[p], stencils[p], receives)
+            stayed[p] = not shares
+            centre = sum(w * reach for _, w, reach in shares)  # of what the particle gives, from the particle
+            for node, w, _ in shares:
+                v = volume[p]
+                got[node].take(w, v, v / porosity[p], v * velocity[p], -v * centre)
+        return got, stayed
+
+    def shares(self, x, nodes, receives):
+        own = self.pores[self.half_cell(x)]
         seen = [part for part in nodes if own > 0 and receives[part[0]]]
         plain = sum(w for _, w, _ in seen)
-        alike = len(seen) == len(nodes) and all(pores[node] == own for node, _, _ in seen)
+        alike = len(seen) == len(nodes) and all(self.pores[node] == own for node, _, _ in seen)
         if not alike:
-            seen = [(node, w * pores[node], reach) for node, w, reach in seen]
+            seen = [(node, w * self.pores[node], reach) for node, w, reach in seen]
         total = sum(w for _, w, _ in seen)
-        near = min(seen, key=lambda part: np.sum((part[2] / half) ** 2), default=None)
+        near = min(seen, key=lambda part: np.sum((part[2] / self.half) ** 2), default=None)
         if alike or (plain > SEE and total > WEIGH * plain * own):
-            shares = [(node, w / total, reach) for node, w, reach in seen]
-        elif near is not None and np.sum((near[2] / half) ** 2) < 1:
-            shares = [(near[0], 1.0, near[2])]
-        else:
-            stayed.append(p)
-            continue
-        centre = sum(w * reach for _, w, reach in shares)  # of what the particle gives, from the particle
-        for node, w, _ in shares:
-            got_volume[node] += w * volume[p]
-            got_bulk[node] += w * volume[p] / porosity[p]
-            got_momentum[node] += w * volume[p] * velocity[p]
-            got_moment[node] -= w * volume[p] * centre
+            return [(node, w / total, reach) for node, w, reach in seen]
+        if near is not None and np.sum((near[2] / self.half) ** 2) < 1:
+            return [(near[0], 1.0, near[2])]
+        return []
 
-    enough = KEEP * half.prod()
-    small = list(zip(*np.nonzero((got_volume != 0) & (got_bulk < enough)), strict=True))
-    targets = {}
-    for node in small:
-        for radius in (1, 2, 3):
-            best = None
-            for step in itertools.product(range(-radius, radius + 1), repeat=d):
-                raw = np.add(node, step)
-                other = tuple(
-                    int(i % n) if per else int(i) for i, n, per in zip(raw, shape, grid.periodic, strict=True)
-                )
-                if any(i < 0 or i >= n for i, n in zip(other, shape, strict=True)) or pores[other] <= 0:
-                    continue
-                if got_bulk[other] > (got_bulk[best[0]] if best else enough):
-                    best = other, step
-            if best:
-                targets[node] = best
+    def fullest(self, node, radius, got, may):
+        """Of the other nodes in sight that may(what they hold), the one that holds most."""
+        best = None
+        for other in self.near(node, radius):
+            if other == node or other not in got or got[other].bulk <= (got[best].bulk if best else 0.0):
+                continue
+            if may(got[other]) and self.in_sight(node, other):
+                best = other
+        return best
+
+    def hand_over(self, node, onto, got):
+        g = got.pop(node)
+        got[onto].take(1.0, g.volume, g.bulk, g.momentum, g.moment + g.volume * self.way(node, onto) * self.half)
+
+    def merge(self, got):
+        enough = KEEP * self.half.prod()
+        for node in [node for node, g in got.items() if g.volume == 0.0]:
+            del got[node]
+        while True:
+            targets = {}
+            for node in sorted(node for node, g in got.items() if g.bulk < enough):
+                radii = (self.fullest(node, r, got, lambda g: g.bulk > enough) for r in (1, 2, 3))
+                target = next((found for found in radii if found), None)
+                if target:
+                    targets[node] = target
+            if not targets:
                 break
-    for node, (other, step) in targets.items():
-        got_moment[other] += got_moment[node] - got_volume[node] * np.array(step) * half
-        got_volume[other] += got_volume[node]
-        got_momentum[other] += got_momentum[node]
-        got_volume[node] = 0
+            for node, target in targets.items():
+                self.hand_over(node, target, got)
+        assert all(g.bulk > 0 and g.volume > 0 for g in got.values())  # debts: test_remesh_thin.py
 
-    x, u, v = [], [], []
-    for node in zip(*np.nonzero(got_volume), strict=True):
-        centre = (np.array(node) + 0.5) * half
-        offset = np.clip(got_moment[node] / got_volume[node], -half, half)
-        place = np.where(grid.periodic, np.mod(centre + offset, grid.size), centre + offset)
-        inside = np.all((place >= 0) & (place <= grid.size))
-        if not inside or pores[half_cell(place)] <= 0:  # held back
-            place = centre + np.clip(offset, -0.5 * half, 0.5 * half)
-        x.append(place)
-        u.append(got_momentum[node] / got_volume[node])
-        v.append(got_volume[node])
-    for p in stayed:
-        x.append(position[p]), u.append(velocity[p]), v.append(volume[p])
-    return np.array(x), np.array(u), np.array(v)
+    def in_pores(self, x):
+        return bool(np.all((x >= 0) & (x <= self.grid.size))) and self.pores[self.half_cell(x)] > 0
+
+    def wrapped(self, x):
+        return np.where(self.grid.periodic, np.mod(x, self.grid.size), x)
+
+    def place(self, got):
+        """Position of each node's particle, and the moment that the held back ones take."""
+        x, held = {}, {}
+        for node, g in got.items():
+            right = g.moment / g.volume
+            offset = np.clip(right, -self.half, self.half)
+            x[node] = self.wrapped(self.centre(node) + offset)
+            if not self.in_pores(x[node]):
+                offset = np.clip(offset, (-0.5 + 1e-9) * self.half, (0.5 - 1e-9) * self.half)
+                x[node] = self.centre(node) + offset
+            if np.any(right != offset):
+                held[node] = g.volume * (right - offset)
+        return x, {node: held[node] for node in sorted(held)}
+
+    def settle(self, node, moment, x, got):
+        """Moves those around by the same step, so that the moment is what it was; False where they cannot."""
+        size = np.linalg.norm(moment)
+        way, least = moment / size, self.half.min()
+        for most in (0.25, 1.0, 4.0):
+            for radius in (1, 2, 4, 8, 16, 32):
+                around = [i for i in self.near(node, radius) if i in x and self.in_sight(node, i)]
+                movers, step = around, most * least
+                while True:
+                    movers = [i for i in movers if self.in_pores(self.wrapped(x[i] + step * way))]
+                    volume = sum(got[i].volume for i in movers)
+                    if size > most * least * volume:
+                        break
+                    if step == size / volume:
+                        for i in movers:
+                            x[i] = self.wrapped(x[i] + step * way)
+                        return True
+                    step = size / volume
+        return False

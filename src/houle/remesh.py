@@ -23,6 +23,7 @@ from houle.errors import SimulationError
 from houle.grid import FloatArray, Grid
 from houle.particles import Particles
 from houle.porous import Medium
+from houle.solids import Outline
 
 Nodes = tuple[int, int]
 Remesher = Callable[[Particles, FloatArray | None, Nodes], Particles]
@@ -36,8 +37,9 @@ class Conservative:
     porosity: of the cells, as Medium.listed gives it, None: 1; body: of the half cells, negative in solids
     (Medium.body). Between the centres of the cells the porosity is linear; where it varies the nodes around a particle
     receive in proportion to that of their half cells, so that water which fills the pores goes on filling them.
-    Conserved to round-off: sum V, sum V u_d and, but for a rare particle that would have left the tank or entered a
-    solid, sum V x, so the potential energy. The true momentum sum V u_d / n is conserved as far as n is the same for
+    outline: of the solids, None: none. Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so
+    the potential energy; what would have left the tank or entered a solid is made good by those around it. Around a
+    periodic axis x is known up to its length. The true momentum sum V u_d / n is conserved as far as n is the same for
     all.
 
     Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
@@ -51,15 +53,18 @@ class Conservative:
     grid: Grid
     porosity: tuple[NDArray[np.int32], FloatArray] | None
     body: NDArray[np.int8]
+    outline: Outline | None = None
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Conservative:
-        return cls(grid, medium.listed("particle_porosity") if medium.bodies else None, medium.body)
+        porosity = medium.listed("particle_porosity") if medium.bodies else None
+        return cls(grid, porosity, medium.body, medium.outline)
 
     def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
-        new = Particles(*_core.remesh_conservative(self.grid.core, self.porosity, self.body, *arrays, *between))
+        pores = (self.porosity, self.body, self.outline)
+        new = Particles(*_core.remesh_conservative(self.grid.core, *pores, *arrays, *between))
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(
@@ -81,12 +86,13 @@ class Paper:
 
     grid: Grid
     threshold: float = 0.01
+    outline: Outline | None = None
 
     def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
-        p = particles
-        return Particles(
-            *_core.remesh_paper(self.grid.core, p.position, p.velocity, p.volume, porosity, self.threshold)
-        )
+        p, core = particles, self.grid.core
+        new = Particles(*_core.remesh_paper(core, p.position, p.velocity, p.volume, porosity, self.threshold))
+        _core.leave_solids(core, self.outline, new.position)
+        return new
 
 
 def keep(particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
@@ -97,6 +103,6 @@ def keep(particles: Particles, porosity: FloatArray | None, between: Nodes = EVE
 # name in the case file -> remesher for a grid and what stands on it
 STRATEGIES: dict[str, Callable[[Grid, Medium], Remesher]] = {
     "conservative": Conservative.of,
-    "paper": lambda grid, medium: Paper(grid),
+    "paper": lambda grid, medium: Paper(grid, outline=medium.outline),
     "none": lambda grid, medium: keep,
 }

@@ -52,8 +52,8 @@ class Remeshing:
         ]
         for paddle in flow.paddles:
             paddle.from_lattice(flow.particles)
-        # the centre of what a node was given may lie in a solid: round a corner, or in the cut half cell of the node
-        _core.leave_solids(flow.grid.core, flow.medium.outline, flow.particles.position)
+        if flow.paddles:
+            _core.leave_solids(flow.grid.core, flow.medium.outline, flow.particles.position)
         for crest, new in zip(flow.crests, handed, strict=True):
             if new is not None:
                 crest.handed(flow.particles.position, flow.particles.volume, new.velocity)
