@@ -36,6 +36,7 @@ NAMED = {  # what the project promises
     "solitary-wall",
     "solitary-submerged",
     "breakwater",
+    "beach",
     "bank-ship-wave",
 }
 RUNS = [(name, v.name, dict(v.overrides)) for name in cases() for v in comparison(name).variants]
