@@ -140,6 +140,16 @@ def test_the_underside_of_a_sloping_slab():
         assert sim.sample()["eta"] == pytest.approx(exact, abs=1e-3)
 
 
+def test_a_gauge_beside_a_slab_is_dry_where_it_is():
+    """Full pores under a slab and a dry basin beside: NaN where most of the water around is missing."""
+    box = [[0.4, 0.0], [0.6, 0.25]]
+    bed = {"name": "bed", "box": box, **ROCK}
+    sim = tank(water=[{"box": box}], solid=[SLAB], porous=[bed], gauge=[{"x": x} for x in (0.37, 0.397, 0.41, 0.5)])
+    level = sim.sample()["eta"]
+    assert np.isnan(level[0])
+    assert level[2:] == pytest.approx([0.25, 0.25], abs=1e-9)
+
+
 def test_no_level_in_a_wall_from_the_floor_up():
     """Nor on a dry slope; beside the wall, however near, and on top of it, there is one."""
     wall, slope = {"box": [[0.405, 0.0], [0.595, 0.3]]}, {"polygon": [[0.8, 0.0], [1.0, 0.4], [1.0, 0.0]]}

@@ -91,9 +91,11 @@ class Gauges:
 
     def levels(self, flow: Flow) -> FloatArray:
         level, confined, _ = self.columns.levels(flow)
-        level, free = level[self.at], ~confined[self.at] & np.isfinite(level[self.at])
-        weight = np.where(free | ~free.any(axis=1, keepdims=True), self.weight, 0.0)
-        found = mean_of_known(level, weight / np.maximum(weight.sum(axis=1, keepdims=True), 1e-300))
+        level, confined = level[self.at], confined[self.at]
+        free = np.where(confined, 0.0, self.weight)
+        share = free.sum(axis=1, keepdims=True)
+        left_out = confined.any(axis=1, keepdims=True) & (share > 0.0)
+        found = mean_of_known(level, np.where(left_out, free / np.where(left_out, share, 1.0), self.weight))
         return outside(self.solids, found, level, self.weight)
 
 
