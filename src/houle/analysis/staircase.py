@@ -26,6 +26,7 @@ LAGS = (1.0, 3.0, 10.0)  # times the time to climb, over which the usual slope o
 FALLS = 10  # that a record must have before they are its noise
 BAND = 8.0  # of the median fall: what noise does not fall by
 ALIKE = 20  # changes that a record must have to be a count of units; units that half of them have at most
+ROUND_OFF = 1e-12  # of a record: less is no noise
 BINS = 64  # of a histogram of times
 EDGE = 200  # samples on each side of a fall from which its height is taken, at most
 SMOOTH = 0.125  # of the time that divides standing from climbing: half of a running mean
@@ -102,7 +103,7 @@ def stairs(t: Floats, v: Floats, pause: float) -> Stairs:
         return _exact(v, first, last)
     flats = _flats(first, last, len(v))
     noise = float(np.sqrt(np.mean(np.concatenate([(v[f] - v[f].mean()) ** 2 for f in flats]))))
-    noise = max(noise, count / 12**0.5)
+    noise = max(noise if noise > ROUND_OFF * np.ptp(v) else 0.0, count / 12**0.5)
     while True:
         level, error = np.array([_level(v[f], noise, count) for f in _flats(first, last, len(v))]).T
         heights, errors = np.diff(level), np.hypot(error[1:], error[:-1])
