@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from campaigns.geometries import campaign
 
 

@@ -143,6 +143,13 @@ def test_what_can_be_in_motion_is_what_can_fall():
     assert sim.budget.available(sim.flow, sim.ledger) == pytest.approx(9.81 * 0.04 * (0.1 - 0.05), rel=1e-12)
 
 
+@pytest.mark.parametrize("level", [0.2, 0.208, 0.213])
+def test_of_a_level_pool_nothing_can_fall_wherever_in_a_cell_its_level_is(level):
+    case = {"case": {"name": "pool"}, "domain": {"size": [0.4, 0.4], "spacing": 0.02}, "time": {"end": 1.0}}
+    sim = simulation({**case, "water": [{"below": level}]})
+    assert sim.budget.available(sim.flow, sim.ledger) == pytest.approx(0.0, abs=1e-12)
+
+
 def test_water_at_rest_has_nothing_to_give():
     """In pores, on a slope and beside a solid: less than to fall by a hundredth of a cell, which is of no account."""
     sim = simulation(
