@@ -119,13 +119,13 @@ def header(file: Path, key: str, error: type[CaseError] = CaseError) -> list[str
 
 
 def read_columns(
-    file: Path, columns: tuple[str, ...], key: str, error: type[CaseError] = CaseError, holes: bool = False
+    file: Path, columns: tuple[str, ...], key: str, error: type[CaseError] = CaseError
 ) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
     """The columns (N,) of these names, in this order; and the whole table (N, columns of the file).
 
     `key` of the case file names the file. eta_m is also found as "eta [mm]", t_s as "Time (ms)" or as a stamp of date
-    and time, and brought to the unit asked for. A value that is missing is refused, or NaN where `holes` are allowed.
-    Raises `error` when it cannot be read, or is no such table.
+    and time, and brought to the unit asked for. What is missing is NaN. Raises `error` when the file cannot be read, is
+    no such table, or holds a code for a missing value.
     """
     name, wanted = f"{key} = {file}", ",".join(columns)
     try:
@@ -140,14 +140,7 @@ def read_columns(
     for column, place in zip(columns, places, strict=True):
         assert place is not None
         values = table.values[:, place[0]]
-        codes = np.zeros(len(values), bool) if column[:2] in ("t_", "x_") else missing_codes(values)
-        if holes:
-            values = np.where(codes, np.nan, values)
-        elif (bad := np.flatnonzero(np.isnan(values))).size:
-            raise error(
-                f"{name}, line {table.lines[bad[0]]}: {column} is not a finite number: leave the row out, or give it"
-            )
-        elif (bad := np.flatnonzero(codes)).size:
+        if column[:2] not in ("t_", "x_") and (bad := np.flatnonzero(missing_codes(values))).size:
             raise error(
                 f"{name}, line {table.lines[bad[0]]}: {column} = {values[bad[0]]:g} is a code for a missing value, not "
                 "a measurement: leave the row out"

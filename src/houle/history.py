@@ -58,7 +58,7 @@ def read_history(
     least  number of samples that are needed
     """
     require_file(file, key, error)
-    (time, *values), _ = read_columns(file, ("t_s", *columns), key, error, holes=True)
+    (time, *values), _ = read_columns(file, ("t_s", *columns), key, error)
     known = np.all(np.isfinite([time, *values]), axis=0)
     rows = np.flatnonzero(known) + 1
     table = np.array([time, *values])[:, known]

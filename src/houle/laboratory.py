@@ -62,7 +62,11 @@ def read(file: Path) -> Points:
     """The points of a CSV file: comment lines (#), a header t_s,x_m,eta_m, numbers. Raises CaseError."""
     (time, x, eta), rows = read_columns(file, COLUMNS, "reference.surface")
     if not np.all(np.isfinite(rows)):
-        raise CaseError(f"reference.surface = {file} holds a number that is not finite: leave out points without level")
+        row = int(np.argwhere(~np.isfinite(rows))[0][0]) + 1
+        raise CaseError(
+            f"reference.surface = {file} holds a number that is not finite in its row {row}: leave out points "
+            "without level"
+        )
     order = np.argsort(time, kind="stable")
     return Points(time[order], x[order], eta[order])
 
