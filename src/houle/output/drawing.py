@@ -174,7 +174,7 @@ def headline(
     """A title in bold and a line under it at the top, from `left` on and no longer than `room`, both in inches."""
     width, height = figure.get_size_inches()
     for words, size, y, colour, weight in ((title, points, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
-        line = " ".join(words.split())
+        line = " ".join(part.strip() for part in words.splitlines())
         look: Any = {"fontsize": size, "color": colour, "weight": weight, "va": "center", "parse_math": mathematics}
         fitted(figure.text(left / width, 1 - y / height, line, **look), room)
 
