@@ -19,6 +19,9 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import scipy.optimize  # noqa: F401
+import scipy.signal  # noqa: F401
+import xarray  # noqa: F401  (what is imported late is no hang of an input)
 
 from houle import analysis, csv_table, laboratory
 from houle.errors import HouleError
