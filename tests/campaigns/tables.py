@@ -19,7 +19,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-import scipy.optimize  # noqa: F401
+import scipy.optimize
 import scipy.signal  # noqa: F401
 import xarray  # noqa: F401  (what is imported late is no hang of an input)
 
