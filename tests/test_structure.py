@@ -27,7 +27,7 @@ LAYERS = (
     {"output"},
     {"analysis"},
     {"progress", "recorder", "signals", "cores", "restart", "bundle", "session", "preflight", "wave_report"}
-    | {"reflection", "wave_energy", "twin", "summary", "runner"},
+    | {"reflection", "wave_energy", "impacts", "twin", "summary", "runner"},
     {"validation", "reproduction", "bench", "check_report", "describe", "new"},
     {"cli"},
 )

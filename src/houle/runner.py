@@ -164,7 +164,7 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """What is made of a run that has been marched."""
-    from houle import reflection, summary, twin, wave_energy
+    from houle import impacts, reflection, summary, twin, wave_energy
     from houle.output import write_manifest
 
     run = Run(session.directory)
@@ -172,7 +172,7 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
         draw(run, session)
     more = {"reference": score} if (score := summary.reference(run)) else {}
     if at_end:
-        more |= reflection.record(run) | wave_energy.record(run)
+        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     if "reflection" in more:
         with session.clock.stage("wave quality"):

@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from houle import laboratory, reflection, twin, wave_energy
+from houle import impacts, laboratory, reflection, twin, wave_energy
 from houle.progress import duration
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         ("Energy [J] (per metre of width in 2D)", energy(summary)),
         waves(summary),
         (f"Surface, rms against {label}", against_laboratory(summary)),
+        ("Largest pressure at the sensors", impacts.rows(summary.get("pressure", []))),
         ("Reflection", reflection.rows(found) if (found := summary.get("reflection")) else []),
         (
             "Wave quality (the same flume without the structure)",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from houle.analysis.coefficients import reflection
     from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
     from houle.analysis.errors import AnalysisError
+    from houle.analysis.impact import Impact, largest_pressure
     from houle.analysis.overtopping import Overtopping, overtopping_events
     from houle.analysis.paper import Jh2020, jh2020
     from houle.analysis.quality import QualityCard, quality_card
@@ -42,6 +43,7 @@ __all__ = [
     "Components",
     "Exit",
     "Gauges",
+    "Impact",
     "Jh2020",
     "Overtopping",
     "QualityCard",
@@ -65,6 +67,7 @@ __all__ = [
     "harmonics",
     "jh2020",
     "lag",
+    "largest_pressure",
     "long_wave",
     "mansard_funke",
     "overtopping_events",
@@ -96,6 +99,10 @@ _MODULES = {
         "shields",
     ),
     "errors": ("AnalysisError",),
+    "impact": (
+        "Impact",
+        "largest_pressure",
+    ),
     "overtopping": (
         "Overtopping",
         "overtopping_events",
