@@ -31,8 +31,13 @@ CaseArgument = Annotated[str, typer.Argument(metavar="CASE", help="Case file, or
 Overrides = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key: domain.spacing=0.01. Repeatable.")
 ]
-Threads = Annotated[int | None, typer.Option(min=1, help="Threads; all cores when left out. Results do not change.")]
+Threads = Annotated[
+    int | None, typer.Option(min=1, help="Threads, at most one per core; all when left out. Results do not change.")
+]
 Until = Annotated[float | None, typer.Option(help="Stop at this simulated time, in seconds; `houle resume` goes on.")]
+Later = Annotated[
+    float | None, typer.Option(help="Stop at this simulated time, in seconds; past its end for a run that is finished.")
+]
 
 
 def ending(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -115,12 +120,12 @@ def run(
 @app.command()
 @ending
 def resume(
-    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of an interrupted run.")],
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
     threads: Threads = None,
-    until: Until = None,
+    until: Later = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say nothing while it works.")] = False,
 ) -> None:
-    """Go on from the newest good checkpoint, bitwise as if the run had not stopped."""
+    """Go on from the newest good checkpoint, bitwise as if the run had not stopped; past the end with --until."""
     import houle
 
     houle.resume(directory, threads=threads, until=until, progress=not quiet)

@@ -163,7 +163,7 @@ class Session:
 
     def _checkpoint(self, last: bool) -> None:
         recorded = self.recorder.state()
-        if self.simulation.time >= self.case.time.end:
+        if last and self.simulation.time >= self.case.time.end:
             self.recorder.finish(self.simulation)
         if last:
             self.outputs.close()

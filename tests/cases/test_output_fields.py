@@ -1,5 +1,6 @@
 """fields.vtkhdf gives back the frames, and is what the VTKHDF specification asks for."""
 
+import dataclasses
 from types import SimpleNamespace
 
 import h5py
@@ -10,6 +11,7 @@ from made_run import SINGLE, assert_same_frame, made_case, made_frame, made_grid
 from houle.output import (
     Outputs,
     read_fields,
+    vtkhdf,
 )
 
 
@@ -81,6 +83,22 @@ def test_the_file_is_what_the_vtkhdf_specification_asks_for(tmp_path, dimension,
             assert step.fill.shape == tuple(extent[5:0:-2]) and step.velocity.shape == (*step.fill.shape, 3)
             fill = step.fill[:, 0].T if dimension == 2 else step.fill.T
             np.testing.assert_allclose(fill, wanted.cell_fill, rtol=SINGLE)
+
+
+def test_a_run_may_have_more_frames_than_an_attribute_holds_numbers(tmp_path):
+    """8192 are the most of an attribute of HDF5."""
+    grid = made_grid()
+    frame = vtkhdf.compress(made_frame(grid, 0))
+    frames = [dataclasses.replace(frame, time=0.1 * k, step=3 * k) for k in range(8200)]
+    small = {name: [] for name in frame.chunks}  # no numbers: they are not looked at
+    frames = [dataclasses.replace(frame, chunks=small, count=2, rows=2) for frame in frames]
+    vtkhdf._copy, copy = lambda *_: None, vtkhdf._copy
+    try:
+        vtkhdf.assemble(tmp_path / "fields.vtkhdf", frames, grid, {}, packed=True)
+    finally:
+        vtkhdf._copy = copy
+    found = vtkhdf.frames_in(tmp_path / "fields.vtkhdf")
+    assert [f.step for f in found] == [3 * k for k in range(8200)] and found[-1].time == 0.1 * 8199
 
 
 def test_every_array_carries_its_unit(tmp_path):

@@ -1,6 +1,7 @@
 """series.nc and surface.nc: every quantity with its unit, every row with the same names, readable by others."""
 
 import h5netcdf
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,7 +9,10 @@ from made_run import made_case, made_frame, made_grid, made_sample, write
 
 from houle import fields, ledger
 from houle.output import (
+    OutputError,
     Outputs,
+    atomic,
+    growing,
     read_series,
     read_surface,
     series_table,
@@ -104,3 +108,111 @@ def test_surface_and_series_are_netcdf_4_for_other_readers(tmp_path):
             for key in table:
                 np.testing.assert_array_equal(table[key].values, there[key].values)
                 assert table[key].dims == there[key].dims
+
+
+# ---- appending
+
+
+class Counted(atomic.Sink):
+    """Counts what is written."""
+
+    total = 0
+
+    def write(self, data):
+        Counted.total += memoryview(data).nbytes
+        return super().write(data)
+
+
+def test_a_commit_writes_its_own_rows_and_no_other_however_many_there_are(tmp_path, monkeypatch):
+    """So do memory and time: 300 000 rows take what 3 000 take."""
+    monkeypatch.setattr(growing, "Sink", Counted)
+    outputs, sample = Outputs(tmp_path, made_case(), made_grid()), made_sample(2, 5)
+    written = []
+    for row in range(20_000):
+        outputs.append_series(0.025 * row, sample)
+        if row % 1000 == 999:
+            before = Counted.total
+            outputs.commit()
+            written.append(Counted.total - before)
+    assert max(written[10:]) < 1.3 * max(written[3:8]) < 0.5 * (tmp_path / "series.nc").stat().st_size
+    assert outputs.series._fresh.count == 0 and outputs.series._behind.count == 1000
+    outputs.close()
+    assert read_series(tmp_path).sizes["time"] == 20_000
+
+
+def test_rows_go_to_the_file_before_they_fill_the_memory(tmp_path, monkeypatch):
+    monkeypatch.setattr(growing, "ROOM", 10_000.0)
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    for row in range(500):
+        outputs.append_series(0.025 * row, made_sample(2, row))
+    assert read_series(tmp_path).sizes["time"] > 400
+    outputs.close()
+    series = read_series(tmp_path)
+    np.testing.assert_array_equal(series.kinetic_energy, 5.0 * np.arange(500))
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_the_file_that_stays_is_that_of_one_commit(tmp_path):
+    """Dimensions, filters and attributes, too."""
+    for name, every in (("once", 2000), ("often", 37)):
+        outputs = Outputs(tmp_path / name, made_case(), made_grid())
+        for row in range(1500):
+            outputs.append_series(0.025 * row, made_sample(2, row))
+            if row % every == every - 1:
+                outputs.commit()
+        outputs.close()
+    xr.testing.assert_identical(read_series(tmp_path / "once"), read_series(tmp_path / "often"))
+    with h5py.File(tmp_path / "once/series.nc") as one, h5py.File(tmp_path / "often/series.nc") as other:
+        for name in one:
+            a, b = one[name], other[name]
+            assert (a.shape, a.chunks, a.compression, a.maxshape) == (b.shape, b.chunks, b.compression, b.maxshape)
+            assert dict(a.attrs).keys() == dict(b.attrs).keys()
+
+
+def test_who_reads_a_series_while_it_grows_keeps_what_he_opened(tmp_path):
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+
+    def go_on(rows):
+        for row in rows:
+            outputs.append_series(0.025 * row, made_sample(2, row))
+        outputs.commit()
+
+    go_on(range(10))
+    with xr.open_dataset(tmp_path / "series.nc", engine="h5netcdf", decode_times=False) as seen:
+        for begin in (10, 20, 30, 40):
+            go_on(range(begin, begin + 10))
+        np.testing.assert_array_equal(seen.kinetic_energy.values, 5.0 * np.arange(10))
+    assert read_series(tmp_path).sizes["time"] == 50
+
+
+def test_an_append_that_is_cut_short_leaves_the_file_of_the_commit_before(tmp_path, monkeypatch):
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    write(outputs, made_grid(), range(2), range(10))
+    outputs.commit()
+    write(outputs, made_grid(), range(2, 4), range(10, 20))
+    with monkeypatch.context() as patch:
+        patch.setattr(growing, "append", lambda file, table: file["volume"].resize(7, 0) or 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            outputs.series.commit()
+    assert read_series(tmp_path).sizes["time"] == 10
+    outputs.commit()
+    np.testing.assert_array_equal(read_series(tmp_path).kinetic_energy, 5.0 * np.arange(20))
+
+
+def test_without_hard_links_it_is_the_same(tmp_path, monkeypatch):
+    def none(*_):
+        raise OSError(95, "not supported")
+
+    monkeypatch.setattr(growing.os, "link", none)
+    outputs = Outputs(tmp_path, made_case(), made_grid())
+    for row in range(50):
+        outputs.append_series(0.025 * row, made_sample(2, row))
+        outputs.commit()
+    outputs.close()
+    np.testing.assert_array_equal(read_series(tmp_path).kinetic_energy, 5.0 * np.arange(50))
+
+
+def test_a_damaged_file_is_told_as_such(tmp_path):
+    (tmp_path / "series.nc").write_bytes(b"nothing")
+    with pytest.raises(OutputError, match=r"cannot read .*series\.nc"):
+        read_series(tmp_path)

@@ -193,7 +193,7 @@ def test_kill_9_leaves_readable_files_and_the_resumed_run_is_the_same(fake, tmp_
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_polite_stop_finishes_the_step_and_says_how_to_go_on(fake, tmp_path, number):
     whole = houle.run(fake)
     process = start(tmp_path, fake, FAKE_PAUSE="0.01")

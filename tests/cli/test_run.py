@@ -16,6 +16,7 @@ import pytest
 
 import houle
 from houle import laboratory, progress, runner
+from houle.cores import granted, usable
 from houle.errors import CaseError, SimulationError
 from houle.recorder import Observed, Recorder, interpolate, multiple
 
@@ -130,6 +131,18 @@ def test_rows_lie_on_multiples_whatever_the_steps_and_frames_on_stops():
     assert out.frames == [0.0, 0.25, 0.5, 0.75, 1.0, 1.05]
 
 
+def test_instants_of_a_comparison_are_frames_whatever_the_interval():
+    out, ramp = Collected(), Ramp()
+    recorder = Recorder(out, 1.0, 0.4, 0.25, [0.0, 0.3, 0.4 + 1e-9, 0.8, 0.95, 1.0, 7.0])
+    recorder.start(ramp)
+    while ramp.time < 1.0:
+        before, ramp.time = ramp.time, min(recorder.stop, ramp.time + 0.13)
+        ramp.step_size = ramp.time - before
+        recorder.step(ramp, {"eta": np.float64(2.0 * ramp.time)})
+    assert out.frames == [0.0, 0.3, 0.4, 0.8, 0.95, 1.0]
+    assert recorder.written == [0.0, 0.3, 0.4, 0.8, 0.95, 1.0]
+
+
 def test_a_run_leaves_rows_frames_and_a_summary(tank):
     run = houle.run(tank)
     assert run.directory == Path("runs/tank")
@@ -207,16 +220,36 @@ def test_ctrl_c_while_pictures_are_made_says_how_to_make_them(tank, monkeypatch)
     assert houle.resume("mine").summary["finished"]
 
 
-@pytest.mark.parametrize("wrong", [{"threads": 0}, {"threads": 1.5}, {"threads": "two"}, {"until": "2"}])
+@pytest.mark.parametrize(
+    "wrong", [{"threads": 0}, {"threads": 1.5}, {"threads": "two"}, {"threads": 10**30}, {"until": "2"}]
+)
 def test_threads_and_until_of_the_wrong_kind_are_bad_input(tank, wrong):
     with pytest.raises(CaseError, match=f"{next(iter(wrong))} = .*: give a"):
         houle.run(tank, **wrong)
     assert list(Path().iterdir()) == []
 
 
-def test_more_threads_than_cores_are_warned_of(tank, capsys):
-    houle.run(tank, threads=1000, progress=True)
-    assert "warning: threads = 1000 on a machine of" in capsys.readouterr().err
+def test_more_threads_than_cores_are_not_taken_and_that_is_said(tank, capsys):
+    run = houle.run(tank, threads=1000, progress=True)
+    said = capsys.readouterr().err
+    assert "warning: threads = 1000 on a machine of" in said and f"{usable()} are taken" in said
+    assert run.manifest["machine"]["threads"] == usable()
+
+
+def test_the_cores_of_a_process_are_those_it_is_bound_to_and_its_container_grants(tmp_path):
+    groups, membership = tmp_path / "cgroup", tmp_path / "membership"
+    (groups / "box/run").mkdir(parents=True)
+    membership.write_text("0::/box/run\n")
+    assert granted(membership, groups) == float("inf") and granted(tmp_path / "none", groups) == float("inf")
+    (groups / "box/run/cpu.max").write_text("max 100000\n")
+    (groups / "box/cpu.max").write_text("150000 100000\n")
+    assert granted(membership, groups) == 1.5
+    (groups / "cpu/old").mkdir(parents=True)
+    (groups / "cpu/old/cpu.cfs_quota_us").write_text("50000\n")
+    (groups / "cpu/old/cpu.cfs_period_us").write_text("100000\n")
+    membership.write_text("7:pids:/old\n3:cpu,cpuacct:/old\n")
+    assert granted(membership, groups) == 0.5
+    assert 1 <= usable() <= (os.cpu_count() or 1)
 
 
 def test_a_file_in_the_way_is_refused_before_anything_is_computed(tank, monkeypatch):
@@ -265,6 +298,16 @@ def test_the_run_is_scored_against_the_laboratory_and_carries_its_data(tank):
     assert run.summary["reference"]["rms"] == [pytest.approx(0.002)]
     assert run.summary["reference"]["overall"] == pytest.approx(0.002)
     assert (run.directory / "lab.csv").exists()
+
+
+def test_the_score_does_not_depend_on_the_interval_of_the_frames(tank):
+    """The instants of the laboratory are frames by themselves; where they are frames anyway nothing changes."""
+    Path("lab.csv").write_text("t_s,x_m,eta_m\n0.1,0.05,0.1\n0.2,0.05,0.1\n0.3,0.05,0.09\n0.4,0.05,0.1\n")
+    Path("case.toml").write_text(tank.to_toml() + '\n[reference]\nsurface = "lab.csv"\n')
+    fine, coarse = (houle.run("case.toml", overrides={"output.every": every}) for every in (0.1, 7.0))
+    assert fine.summary["reference"] == coarse.summary["reference"]
+    assert list(coarse.fields.times) == coarse.surface.time.values.tolist() == [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]
+    assert list(fine.fields.times) == list(coarse.fields.times)
 
 
 def test_levels_between_profiles_and_columns_are_linear():

@@ -186,6 +186,7 @@ class Growing(ABC):
         """Why the file cannot be gone on with, None if it can."""
         if not self.path.exists():
             return "is not there"
+        wanted = None if like is None else self.table_of(_as_columns(like))
         try:
             with _opened(self.path) as source:
                 found = _table_in(source)
@@ -194,7 +195,7 @@ class Growing(ABC):
                     return "is damaged (its times do not increase)"
                 if hashes and found.attrs.get("case_hash") not in hashes:
                     return "is that of another case"
-                if like is not None and not _same(found, self.table_of(_as_columns(like))):
+                if wanted is not None and not _same(found, wanted):
                     return "does not hold what this case observes"
                 for variable in found.values():
                     for piece in pieces(variable):
@@ -252,7 +253,7 @@ def _count_until(source: h5netcdf.File, time: float) -> int:
 
 
 def _as_columns(row: Mapping[str, Any]) -> dict[str, NDArray]:
-    return {name: np.asarray(value, float)[None] for name, value in row.items()}
+    return {TIME: np.zeros(1), **{name: np.asarray(value, float)[None] for name, value in row.items()}}
 
 
 def _same(found: Table, wanted: Table) -> bool:
