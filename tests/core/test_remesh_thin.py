@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 from clouds import lattice
 from houle import _core
+from houle.flow import Flow
 from houle.geometry import Box, Polygon
 from houle.grid import FloatArray, Grid
 from houle.particles import Particles
@@ -104,10 +105,9 @@ class Situation:
     def porosity(self, p: Particles) -> FloatArray | None:
         if not self.medium.bodies:
             return None
-        bulk, inertia = np.empty(len(p)), np.empty(len(p), np.float32)
-        cells = self.medium.listed("particle_porosity"), self.medium.listed("inertia")
-        _core.sample_medium(self.grid.core, p.position, p.volume, *cells, bulk, inertia)
-        return p.volume / bulk
+        flow = Flow(self.grid, self.medium, p, gravity=(0.0,) * self.grid.dimension)
+        flow.sample_medium()
+        return np.array(flow.porosity)
 
     def wide_enough(self, axis: int) -> bool:
         """For the first moment to have a meaning: no water comes round the ends."""
