@@ -1,7 +1,9 @@
 // Bindings of remesh.hpp. The number of particles changes, so these functions return new arrays.
-#include "bind.hpp"
+#include "bind_places.hpp"
 #include "bind_solids.hpp"
+#include "energy.hpp"
 #include "remesh.hpp"
+#include "transfer.hpp"
 
 namespace houle {
 
@@ -20,42 +22,62 @@ static nb::tuple as_tuple(ParticleArrays<D>&& p) {
                         as_array(std::move(p.volume), {n}));
 }
 
+static void require_finite(index n, const double* values, const char* name) {
+  if (!all_finite(n, values)) raise_blown_up(std::string(name) + " of the particles is no longer a number");
+}
+
+// Where a particle is none it would be handed to nodes at a wall, or be looked for to the end of time.
 template <int D>
-static ParticleView<D> particles_of(const Array<double>& x, const Array<double>& u, const Array<double>& volume,
-                                    const OptionalField& porosity) {
-  const index n = points_of<D>(x, "position");
-  if (points_of<D>(u, "velocity") != n) throw std::invalid_argument("velocity and position differ in length");
-  require_size(volume.size(), n, "volume");
-  if (porosity) require_size(porosity->size(), n, "porosity");
-  return {n, x.data(), u.data(), volume.data(), pointer(porosity)};
+static void require_water(const Grid<D>& g, const ParticleView<D>& p) {
+  const double* x = p.x;
+  const index n = p.n;
+  const index outside = parallel_reduce(
+      n, n, [=](index i) { return place_of<D>(g, x + D * i).inside ? n : i; },
+      [](index a, index b) { return std::min(a, b); });
+  require_inside<D>(outside < n ? outside : -1, x);
+  require_finite(n * D, p.u, "velocity");
+  require_finite(n, p.volume, "volume");
+  if (p.porosity) require_finite(n, p.porosity, "porosity");
+}
+
+template <int D>
+static ParticleView<D> particles_of(const Grid<D>& g, const Given& x, const Given& u, const Given& volume,
+                                    const OptionalGiven& porosity) {
+  const auto at = points<D>(x, "position");
+  const ParticleView<D> p{at.n, at.data, entries(u, at.n * D, "velocity"), entries(volume, at.n, "volume"),
+                          entries(porosity, at.n, "porosity")};
+  if (g.cells() > (std::numeric_limits<std::int32_t>::max() >> D))
+    refuse("the grid has " + std::to_string(g.cells()) + " cells: at most 2^31 - 1 half cells can be numbered");
+  require_water(g, p);
+  return p;
 }
 
 template <int D>
 static void bind(nb::module_& m) {
-  m.def(
-      "remesh_conservative",
-      [](const Grid<D>& g, OptionalListed cells, Array<std::int8_t> body, Outline outline, Field x, Field u,
-         Field volume, OptionalField porosity, index first, index last) {
-        const auto p = particles_of<D>(x, u, volume, porosity);
-        const Listed pores = listed_of(g, cells, "cell_porosity");
-        require_size(body.size(), g.cells() << D, "body");
+  define(
+      m, "remesh_conservative",
+      [](const Grid<D>& g, OptionalListed cell_porosity, Array<const std::int8_t> body, Outline outline, Given x,
+         Given u, Given volume, OptionalGiven porosity, index first, index last) {
+        const auto p = particles_of<D>(g, x, u, volume, porosity);
+        const Listed pores = listed_of(g, cell_porosity, "cell_porosity");
+        const std::int8_t* bodies = entries(body, g.cells() << D, "body");
         const Solids<D> solids = solids_of(g, outline);
         if (last < 0) last = 2 * g.shape[0];
-        if (first < 0 || first >= last || last > 2 * g.shape[0]) throw std::invalid_argument("no nodes between walls");
+        if (first < 0 || first >= last || last > 2 * g.shape[0]) refuse("no nodes between walls: first and last");
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, {pores, body.data()}, solids, p, first, last);
+          out = remesh_conservative<D>(g, {pores, bodies}, solids, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },
       "grid"_a, "cell_porosity"_a.none(), "body"_a, "solids"_a.none(), "position"_a, "velocity"_a, "volume"_a,
       "porosity"_a.none(), "first"_a = 0, "last"_a = -1,
       "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
-  m.def(
-      "remesh_paper",
-      [](const Grid<D>& g, Field x, Field u, Field volume, OptionalField porosity, double threshold) {
-        const auto p = particles_of<D>(x, u, volume, porosity);
+  define(
+      m, "remesh_paper",
+      [](const Grid<D>& g, Given x, Given u, Given volume, OptionalGiven porosity, double threshold) {
+        const auto p = particles_of<D>(g, x, u, volume, porosity);
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;

@@ -10,19 +10,23 @@
 namespace houle {
 
 // start, number, edges (E, 8), tops of the layers: houle.solids.Outline
-using Outline = std::optional<std::tuple<Array<std::int64_t>, Array<std::int32_t>, Field, Field>>;
+using Outline = std::optional<std::tuple<LongNumbers, Numbers, Given, Given>>;
 
 template <int D>
 inline Solids<D> solids_of(const Grid<D>& g, const Outline& outline) {
   static_assert(sizeof(SolidEdge) == 8 * sizeof(double));
   if (!outline) return {};
   const auto& [start, number, edge, top] = *outline;
-  const index lists = static_cast<index>(top.size()) * g.shape[0] * g.shape[D - 1];
-  require_size(start.size(), lists + 1, "start");
-  require_size(number.size(), start.data()[lists], "number");
-  if (edge.ndim() != 2 || edge.shape(1) != 8) throw std::invalid_argument("the edges must have shape (E, 8)");
-  return {start.data(), number.data(), reinterpret_cast<const SolidEdge*>(edge.data()), top.data(),
-          static_cast<int>(top.size())};
+  const auto tops = top.view("solids: top");
+  if (tops.size < 1) refuse("solids: top has no layers");
+  const auto edges = rows<SolidEdge>(edge, "solids: edge");
+  const auto starts = start.view("solids: start");
+  const index lists = tops.size * g.shape[0] * g.shape[D - 1];
+  if (starts.size != lists + 1) wrong_size(starts, "solids: start", std::to_string(lists + 1));
+  const auto all = number.view("solids: number");
+  require_table(starts, "solids: start", Table::starts, all.size);
+  require_table(all, "solids: number", Table::numbers, edges.n);
+  return {starts.data, all.data, edges.data, tops.data, static_cast<int>(tops.size)};
 }
 
 }  // namespace houle

@@ -1,5 +1,5 @@
 // Bindings of transfer.hpp: sorting, scatter, gather, by kernel name.
-#include "bind.hpp"
+#include "bind_places.hpp"
 #include "mass_matrix.hpp"
 
 namespace houle {
@@ -13,126 +13,158 @@ static void with_kernel(const std::string& name, F f) {
   if (name == "gaussian") return f(GaussianKernel{});
   if (name == "gaussian-taylor2") return f(GaussianTaylorKernel{});
   if (name == "gaussian-cell") return f(GaussianCellKernel{});
-  throw std::invalid_argument("unknown transfer kernel " + name);
+  refuse("unknown transfer kernel " + name);
+}
+
+// The particles of a transfer to the faces, which runs over slabs of columns.
+template <int D>
+static Cloud<D> sorted_cloud(const Grid<D>& g, const Given& x, const OptionalGiven& side, const Given& mass,
+                             const Numbers& start) {
+  const auto at = points<D>(x, "position");
+  return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"), slabs_of(g, start, at.n)};
+}
+
+// The particles, or points, of a transfer from the faces: it goes through them one by one, in any order.
+template <int D>
+static Cloud<D> cloud_of(const Grid<D>& g, const Given& x, const OptionalGiven& side, const Given& mass,
+                         const Numbers& start) {
+  const auto at = points<D>(x, "position");
+  return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"),
+          entries(start, g.cells() + 1, "start")};
 }
 
 template <int D>
-static Cloud<D> cloud_of(const Grid<D>& g, const Field& x, const OptionalField& side, const Field& mass,
-                         const Array<std::int32_t>& start) {
-  const index n = points_of<D>(x, "position");
-  require_size(mass.size(), n, "mass");
-  require_size(start.size(), g.cells() + 1, "start");
-  if (side) require_size(side->size(), n, "side");
-  return {n, x.data(), pointer(side), mass.data(), start.data()};
-}
-
-template <int D>
-static void bind(nb::module_& m) {
+static void bind_cells(nb::module_& m) {
   using G = const Grid<D>&;
-  m.def(
-      "cell_sort",
-      [](G g, Field x, Array<std::int32_t> cell, Array<std::int32_t> order, Array<std::int32_t> start) {
-        const index n = points_of<D>(x, "position");
-        require_size(cell.size(), n, "cell");
-        require_size(order.size(), n, "order");
-        require_size(start.size(), g.cells() + 1, "start");
-        nb::gil_scoped_release release;
-        cell_sort<D>(g, n, x.data(), cell.data(), order.data(), start.data());
+  using Order = Array<std::int32_t>;
+  define(
+      m, "cell_sort",
+      [](G g, Given x, Order cell, Order order, Order start) {
+        const auto at = points<D>(x, "position");
+        std::int32_t *c = entries(cell, at.n, "cell"), *o = entries(order, at.n, "order"),
+                     *s = entries(start, g.cells() + 1, "start");
+        apart(c, at.n, "cell", o, at.n, "order");
+        apart(c, at.n, "cell", s, g.cells() + 1, "start");
+        apart(o, at.n, "order", s, g.cells() + 1, "start");
+        index outside;
+        {
+          nb::gil_scoped_release release;
+          outside = cell_sort<D>(g, at.n, at.data, c, o, s);
+        }
+        require_inside<D>(outside, at.data);
       },
       "grid"_a, "position"_a, "cell"_a, "order"_a, "start"_a,
       "Stable order of the particles by cell: order (N,), start (cells + 1,); cell (N,) is work space.");
-  m.def(
-      "sort_particles",
-      [](G g, Field x, Field u, Field volume, Field spare, Array<std::int32_t> order, Array<std::int32_t> start) {
-        const index n = points_of<D>(x, "position");
-        for (const Field* rows : {&u, &spare}) require_size(rows->size(), n * D, "particle array");
-        require_size(volume.size(), n, "volume");
-        require_size(order.size(), n, "order");
-        require_size(start.size(), g.cells() + 1, "start");
-        nb::gil_scoped_release release;
-        sort_particles<D>(g, n, x.data(), u.data(), volume.data(), spare.data(), order.data(), start.data());
+  define(
+      m, "sort_particles",
+      [](G g, Field x, Field u, Field volume, Field spare, Order order, Order start) {
+        const auto at = points<D>(x, "position");
+        const index n = at.n;
+        double *uu = entries(u, n * D, "velocity"), *v = entries(volume, n, "volume"),
+               *rest = entries(spare, n * D, "spare");
+        std::int32_t *o = entries(order, n, "order"), *s = entries(start, g.cells() + 1, "start");
+        apart(rest, n * D, "spare", o, n, "order");
+        apart(rest, n * D, "spare", s, g.cells() + 1, "start");
+        apart(o, n, "order", s, g.cells() + 1, "start");
+        for (const auto& [rows, size, name] :
+             {std::tuple(at.data, n * D, "position"), std::tuple(uu, n * D, "velocity"), std::tuple(v, n, "volume")}) {
+          apart(rows, size, name, rest, n * D, "spare");
+          apart(rows, size, name, o, n, "order");
+          apart(rows, size, name, s, g.cells() + 1, "start");
+        }
+        index outside;
+        {
+          nb::gil_scoped_release release;
+          outside = sort_particles<D>(g, n, at.data, uu, v, rest, o, s);
+        }
+        require_inside<D>(outside, at.data);
       },
       "grid"_a, "position"_a, "velocity"_a, "volume"_a, "spare"_a, "order"_a, "start"_a,
       "Particles in the order of their cells, which cell_sort finds; spare (N, d) is work space.");
-  m.def(
-      "scatter_cells",
-      [](G g, Array<std::int32_t> start, Field x, Field amount, Field out, OptionalField paddles,
-         OptionalField factor) {
-        const index n = points_of<D>(x, "position");
-        require_size(amount.size(), n, "amount");
-        require_start(g, start, n);
-        require_cells(g, out.size(), "out");
-        if (factor) require_cells(g, factor->size(), "factor");
+  define(
+      m, "scatter_cells",
+      [](G g, Numbers start, Given x, Given amount, Field out, OptionalGiven paddles, OptionalGiven factor) {
+        const auto at = points<D>(x, "position");
+        const double* v = entries(amount, at.n, "amount");
+        const std::int32_t* s = slabs_of(g, start, at.n);
+        double* sums = cells(g, out, "out");
+        const double* times = cells(g, factor, "factor");
+        const Paddles walls = paddles_of(paddles);
         nb::gil_scoped_release release;
-        scatter_cells<D>(g, start.data(), x.data(), amount.data(), paddles_of(paddles), pointer(factor), out.data());
+        scatter_cells<D>(g, s, at.data, v, walls, times, sums);
       },
       "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a, "paddles"_a = nb::none(), "factor"_a = nb::none(),
       "Tent-weighted sums of a particle amount at cell centres, times a factor of the cells.");
-  m.def(
-      "gather_cells",
-      [](G g, Field x, Field field, Field out) {
-        const index n = points_of<D>(x, "position");
-        require_cells(g, field.size(), "field");
-        require_size(out.size(), n, "out");
+  define(
+      m, "gather_cells",
+      [](G g, Given x, Given field, Field out) {
+        const auto at = points<D>(x, "position");
+        const double* f = cells(g, field, "field");
+        double* values = entries(out, at.n, "out");
         nb::gil_scoped_release release;
-        gather_cells<D>(g, n, x.data(), field.data(), out.data());
+        gather_cells<D>(g, at.n, at.data, f, values);
       },
       "grid"_a, "position"_a, "field"_a, "out"_a, "A cell field at the particles, linear.");
-  m.def(
-      "to_faces",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start, Field u,
-         OptionalField affine, std::vector<Field> velocity, std::vector<Field> face_mass) {
-        const auto cloud = cloud_of<D>(g, x, side, mass, start);
-        require_size(u.size(), cloud.n * D, "velocity");
-        if (affine) require_size(affine->size(), cloud.n * D * D, "affine");
-        const auto v = faces_of(g, velocity, "velocity"), fm = faces_of(g, face_mass, "face mass");
-        nb::gil_scoped_release release;
-        with_kernel(kernel, [&](auto k) { to_faces<decltype(k), D>(g, cloud, u.data(), pointer(affine), v, fm); });
+}
+
+template <int D>
+static void bind_faces(nb::module_& m) {
+  using G = const Grid<D>&;
+  using Name = const std::string&;
+  define(
+      m, "to_faces",
+      [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, OptionalGiven affine,
+         Fields velocity, Fields face_mass) {
+        const auto cloud = sorted_cloud<D>(g, x, side, mass, start);
+        const double *uu = entries(u, cloud.n * D, "u"), *C = entries(affine, cloud.n * D * D, "affine");
+        const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass");
+        with_kernel(kernel, [&](auto k) {
+          nb::gil_scoped_release release;
+          to_faces<decltype(k), D>(g, cloud, uu, C, v, fm);
+        });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "affine"_a.none(), "velocity"_a,
       "face_mass"_a, "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
-  m.def(
-      "add_residual",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start, Field u,
-         std::vector<Field> face_mass, std::vector<Field> velocity, std::vector<Field> work) {
-        const auto cloud = cloud_of<D>(g, x, side, mass, start);
-        require_size(u.size(), cloud.n * D, "velocity");
-        const auto fm = faces_of(g, face_mass, "face mass"), v = faces_of(g, velocity, "velocity"),
-                   w = faces_of(g, work, "work");
-        nb::gil_scoped_release release;
-        with_kernel(kernel, [&](auto k) { add_residual<decltype(k), D>(g, cloud, u.data(), ConstFaces<D>(fm), v, w); });
+  define(
+      m, "add_residual",
+      [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, Givens face_mass,
+         Fields velocity, Fields work) {
+        const auto cloud = sorted_cloud<D>(g, x, side, mass, start);
+        const double* uu = entries(u, cloud.n * D, "u");
+        const auto fm = faces(g, face_mass, "face_mass");
+        const auto v = faces(g, velocity, "velocity"), w = faces(g, work, "work");
+        with_kernel(kernel, [&](auto k) {
+          nb::gil_scoped_release release;
+          add_residual<decltype(k), D>(g, cloud, uu, fm, v, w);
+        });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "face_mass"_a, "velocity"_a,
       "work"_a, "One more term of the full-mass-matrix transfer FMPM(k).");
-  m.def(
-      "to_particles",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start,
-         std::vector<Field> now, std::vector<Field> change, std::vector<Field> drag, double flip, Field u) {
+  define(
+      m, "to_particles",
+      [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens now, Givens change,
+         Givens drag, double flip, Field u) {
         const auto cloud = cloud_of<D>(g, x, side, mass, start);
-        require_size(u.size(), cloud.n * D, "velocity");
-        const auto v = faces_of(g, now, "velocity");
-        Faces<D> dv, dr;
-        if (flip > 0.0) {
-          dv = faces_of(g, change, "change");
-          dr = faces_of(g, drag, "drag");
-        }
-        nb::gil_scoped_release release;
+        double* uu = entries(u, cloud.n * D, "u");
+        const auto v = faces(g, now, "now"), dv = faces(g, change, "change", !(flip > 0.0)),
+                   dr = faces(g, drag, "drag", !(flip > 0.0));
         with_kernel(kernel, [&](auto k) {
-          to_particles<decltype(k), D>(g, cloud, ConstFaces<D>(v), ConstFaces<D>(dv), ConstFaces<D>(dr), flip,
-                                       u.data());
+          nb::gil_scoped_release release;
+          to_particles<decltype(k), D>(g, cloud, v, dv, dr, flip, uu);
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "now"_a, "change"_a, "drag"_a, "flip"_a,
       "u"_a, "Particle velocities from the faces: PIC (flip = 0) or a FLIP blend.");
-  m.def(
-      "affine_from",
-      [](G g, const std::string& kernel, Field x, OptionalField side, Field mass, Array<std::int32_t> start,
-         std::vector<Field> velocity, Field affine) {
+  define(
+      m, "affine_from",
+      [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens velocity, Field affine) {
         const auto cloud = cloud_of<D>(g, x, side, mass, start);
-        require_size(affine.size(), cloud.n * D * D, "affine");
-        const auto v = faces_of(g, velocity, "velocity");
-        nb::gil_scoped_release release;
-        with_kernel(kernel, [&](auto k) { affine_from<decltype(k), D>(g, cloud, ConstFaces<D>(v), affine.data()); });
+        double* C = entries(affine, cloud.n * D * D, "affine");
+        const auto v = faces(g, velocity, "velocity");
+        with_kernel(kernel, [&](auto k) {
+          nb::gil_scoped_release release;
+          affine_from<decltype(k), D>(g, cloud, v, C);
+        });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "velocity"_a, "affine"_a,
       "APIC's velocity gradient at the particles.");
@@ -141,27 +173,32 @@ static void bind(nb::module_& m) {
 template <int D>
 static void bind_mass_matrix(nb::module_& m, const char* name) {
   using Matrix = MassMatrix<D>;
-  nb::class_<Matrix>(m, name, "The full mass matrix of the linear kernel, for the transfer FMPM(k).")
-      .def(nb::init<const Grid<D>&>(), "grid"_a)
-      .def(
-          "transfer",
-          [](Matrix& s, Field x, Field mass, Array<std::int32_t> start, Field u, int order, std::vector<Field> velocity,
-             std::vector<Field> face_mass, std::vector<Field> work, Field lent) {
-            const auto& g = s.grid();
-            const auto cloud = cloud_of<D>(g, x, std::nullopt, mass, start);
-            require_size(u.size(), cloud.n * D, "velocity");
-            const auto v = faces_of(g, velocity, "velocity"), fm = faces_of(g, face_mass, "face mass"),
-                       w = faces_of(g, work, "work");
-            nb::gil_scoped_release release;
-            s.transfer(cloud, u.data(), order, v, fm, w, {lent.data(), lent.size()});
-          },
-          "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a, "lent"_a,
-          "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
+  nb::class_<Matrix> matrix(m, name, "The full mass matrix of the linear kernel, for the transfer FMPM(k).");
+  matrix.def(nb::init<const Grid<D>&>(), "grid"_a);
+  define(
+      matrix, "transfer",
+      [](Matrix& s, Given x, Given mass, Numbers start, Given u, int order, Fields velocity, Fields face_mass,
+         Fields work, Field lent) {
+        const auto& g = s.grid();
+        const auto cloud = sorted_cloud<D>(g, x, std::nullopt, mass, start);
+        const double* uu = entries(u, cloud.n * D, "u");
+        if (order < 1 || order > 1000) refuse("order is " + std::to_string(order) + ": 1 to 1000");
+        const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass"),
+                   w = faces(g, work, "work");
+        const auto space = lent.view("lent");
+        apart(space.data, space.size, "lent", cloud.start, g.cells() + 1, "start");
+        nb::gil_scoped_release release;
+        s.transfer(cloud, uu, order, v, fm, w, {space.data, static_cast<std::size_t>(space.size)});
+      },
+      "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a, "lent"_a,
+      "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
 }
 
 void bind_transfer(nb::module_& m) {
-  bind<2>(m);
-  bind<3>(m);
+  bind_cells<2>(m);
+  bind_cells<3>(m);
+  bind_faces<2>(m);
+  bind_faces<3>(m);
   bind_mass_matrix<2>(m, "MassMatrix2");
   bind_mass_matrix<3>(m, "MassMatrix3");
 }

@@ -9,14 +9,59 @@
 
 namespace houle {
 
+// The tables that were found to be right, the last of them. Each is known by a weak reference, as another object may
+// come to lie where one was.
+struct KnownTable {
+  nb::object owner;
+  const void* data;
+  Table kind;
+  index limit;
+};
+
+static std::array<KnownTable, 64>& known_tables() {
+  static auto* all = new std::array<KnownTable, 64>();  // never destroyed: Python is gone by then
+  return *all;
+}
+
+bool known_table(const nb::handle& owner, const void* data, Table kind, index limit) {
+  for (const KnownTable& t : known_tables())
+    if (t.data == data && t.limit == limit && t.kind == kind && t.owner &&
+        PyWeakref_GetObject(t.owner.ptr()) == owner.ptr())
+      return true;
+  return false;
+}
+
+void note_table(const nb::handle& owner, const void* data, Table kind, index limit) {
+  static std::size_t next = 0;
+  if (!nb::hasattr(owner, "base") || !owner.attr("base").is_none()) return;  // what it is a view of may be written to
+  PyObject* reference = PyWeakref_NewRef(owner.ptr(), nullptr);
+  if (!reference) return PyErr_Clear();
+  known_tables()[next++ % known_tables().size()] = {nb::steal(reference), data, kind, limit};
+}
+
+// Cells are numbered with 32 bits, and counted before memory is asked for.
+template <int D>
+static void require_grid(const std::array<index, D>& shape, const std::array<double, D>& spacing) {
+  constexpr index most = std::numeric_limits<std::int32_t>::max() - 1;
+  const std::string text = shape_text(shape.data(), D);
+  index cells = 1;
+  for (int a = 0; a < D; ++a) {
+    if (shape[a] < 1) throw nb::value_error(("the grid needs cells along every axis, not " + text).c_str());
+    if (!(spacing[a] > 0 && spacing[a] <= std::numeric_limits<double>::max()))
+      throw nb::value_error("the spacing of the grid must be positive and finite");
+    if (shape[a] > most / cells)
+      throw nb::value_error(("a grid of " + text + " has more than 2^31 - 2 cells: they cannot be numbered").c_str());
+    cells *= shape[a];
+  }
+}
+
 template <int D>
 static void bind_grid(nb::module_& m, const char* name) {
   nb::class_<Grid<D>>(m, name)
       .def(
           "__init__",
           [](Grid<D>* g, std::array<index, D> shape, std::array<double, D> spacing, std::array<bool, D> periodic) {
-            for (int a = 0; a < D; ++a)
-              if (shape[a] < 1 || !(spacing[a] > 0)) throw std::invalid_argument("grid needs cells of positive size");
+            require_grid<D>(shape, spacing);
             new (g) Grid<D>{shape, spacing, periodic};
           },
           "shape"_a, "spacing"_a, "periodic"_a)

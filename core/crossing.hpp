@@ -18,7 +18,7 @@ struct Crossing {
   Listed contrast;                   // cells: by how much C_r/n^2 differs a few cells around; 1: not at all
   ConstFaces<D, std::uint8_t> held;  // faces: 1 where the Bernoulli force acts
 
-  bool here(const Grid<D>& g, const double* x) const { return contrast[cell_of<D>(g, x)] > 1.0; }
+  bool here(const Grid<D>& g, const double* x) const { return contrast[place_of<D>(g, x).cell] > 1.0; }
 };
 
 // The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D) along each axis,

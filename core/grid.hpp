@@ -66,11 +66,19 @@ inline std::array<index, D> rows_of(std::array<index, D> shape) {
   return shape;
 }
 
-// Number i of n brought back from just outside: around a periodic axis, or onto the end.
+// Number i of n brought back from outside: around a periodic axis, however short, or onto the end.
 inline index inside(index i, index n, bool periodic) {
-  if (i < 0) return periodic ? i + n : 0;
-  if (i >= n) return periodic ? i - n : n - 1;
+  if (i < 0) return periodic ? n - 1 - (-1 - i) % n : 0;
+  if (i >= n) return periodic ? i % n : n - 1;
   return i;
+}
+
+// floor(s) as an index. What lies far beyond any grid, or nowhere (NaN), becomes an index outside: never one that
+// wraps.
+inline index floor_index(double s) {
+  constexpr double far = 4294967296.0;  // 2^32 cells
+  s = s > -far ? s : -far;              // NaN goes here
+  return static_cast<index>(std::floor(s < far ? s : far));
 }
 
 // Calls body(axis, first, end) with the faces of every axis, slice by slice across the first: those numbered first to

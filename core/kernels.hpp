@@ -18,7 +18,7 @@ struct LinearKernel {  // tent: partition of unity, reproduces degree 1
   static constexpr int width = 2;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;  // the weights sum to 1 for any s
-  static index first(double s) { return static_cast<index>(std::floor(s)); }
+  static index first(double s) { return floor_index(s); }
   static void weights(double s, index i0, double, double* w, double*) {
     const double f = s - static_cast<double>(i0);
     w[0] = 1.0 - f;
@@ -30,7 +30,7 @@ struct QuadraticKernel {  // quadratic B-spline: C1, reproduces degree 1
   static constexpr int width = 3;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;
-  static index first(double s) { return static_cast<index>(std::floor(s + 0.5)) - 1; }
+  static index first(double s) { return floor_index(s + 0.5) - 1; }
   static void weights(double s, index i0, double, double* w, double*) {
     const double f = s - static_cast<double>(i0 + 1);  // in [-1/2, 1/2)
     w[0] = 0.5 * (0.5 - f) * (0.5 - f);
@@ -49,7 +49,7 @@ struct M4PrimeKernel {  // Monaghan (1985), paper eq. (7) as a tensor product: r
     if (s < 2.0) return 0.5 * (2.0 - s) * (2.0 - s) * (1.0 - s);
     return 0.0;
   }
-  static index first(double s) { return static_cast<index>(std::floor(s)) - 1; }
+  static index first(double s) { return floor_index(s) - 1; }
   static void weights(double s, index i0, double, double* w, double*) {
     for (int k = 0; k < 4; ++k) w[k] = value(s - static_cast<double>(i0 + k));
   }
@@ -61,7 +61,7 @@ struct GaussianBase {
   static constexpr int width = 6;
   static constexpr bool normalised = false;
   static constexpr double sigma = 0.6;
-  static index first(double s) { return static_cast<index>(std::floor(s)) - 2; }
+  static index first(double s) { return floor_index(s) - 2; }
 };
 
 struct GaussianKernel : GaussianBase {  // the particle is a point

@@ -29,7 +29,8 @@ struct Lattice {  // the nodes, and where a position lies among them
     const index n = shape[a];
     if (periodic[a]) return i < 0 ? i + n : (i >= n ? i - n : i);
     const index low = a == 0 ? begin : 0, high = a == 0 ? end : n;
-    return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
+    const index image = i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
+    return std::clamp<index>(image, 0, n - 1);  // of what lies beyond a wall, and of one node between two
   }
   std::array<index, D> way(index from, index onto) const {  // in nodes, the short way around periodic axes
     auto way = Grid<D>::unflat(onto, shape);

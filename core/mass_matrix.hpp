@@ -135,6 +135,15 @@ class MassMatrix {
             reach[b].weight[1] = 0.0;
           }
         });
+        bool stored = true;  // what it reaches: all, if it lies in the cell where `start` has it
+        unrolled<corners>([&](auto c) {
+          index row = 0;
+          each_of<D>([&](auto b) {
+            if (b < up) row += reach[b].node[(c >> (up - b)) & 1] * stride[b];
+          });
+          stored = stored && reach[up].node[c & 1] < rows[row].height;
+        });
+        if (!stored) continue;
         index node[corners];
         double weight[corners];
         unrolled<corners>([&](auto c) {

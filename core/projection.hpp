@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstring>
+#include <vector>
 
 #include "surface.hpp"
 
@@ -149,40 +150,50 @@ inline bool has_zero(std::uint64_t w) { return ((w - 0x0101010101010101u) & ~w &
 // Carries known face values outwards, `layers` faces deep, each the mean of its known neighbours. known (faces): 1
 // known, 0 not; on return layer numbers + 1. After `near` layers, faces with mass > keep_mass count as known as they
 // are: spray too far from the water for its pressure flies on. mass null: no such faces.
+//
+// A layer reads what is known from one copy of `known` and writes to the other, where the next one reads: in
+// parallel_in_turn the layer after it has not come yet where this one reads, be it another thread that was there.
 template <int D>
 inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> mass, double keep_mass, Faces<D> u,
                         const std::array<std::uint8_t*, D>& known) {
   constexpr int up = D - 1;
+  std::array<index, D + 1> first{};  // of each axis in the second copy
+  for (int a = 0; a < D; ++a) first[a + 1] = first[a] + g.faces(a);
+  std::vector<std::uint8_t> other(static_cast<std::size_t>(first[D]));
+  std::array<std::array<std::uint8_t*, D>, 2> copies;
+  for (int a = 0; a < D; ++a) copies[0][a] = known[a], copies[1][a] = other.data() + first[a];
   const auto layer_of = [=](int a, index r, int layer) {  // one more layer on a row of the faces of an axis
     const auto shape = g.face_shape(a);
     const index line = shape[up], period = g.periodic[up] ? g.shape[up] : 0, row = r * line;
     const std::uint8_t mark = static_cast<std::uint8_t>(layer + 1);
     double* ua = u[a];
-    std::uint8_t* known_a = known[a];
+    const std::uint8_t* before = copies[(layer + 1) % 2][a];
+    std::uint8_t* now = copies[layer % 2][a];
+    std::copy(before + row, before + row + line, now + row);
     if (mass[a] && layer == near + 1)
-      for (index f = row; f < row + line; ++f) known_a[f] = !known_a[f] && mass[a][f] > keep_mass ? mark : known_a[f];
+      for (index f = row; f < row + line; ++f) now[f] = !now[f] && mass[a][f] > keep_mass ? mark : now[f];
     auto beside = rows_beside<D>(g, Grid<D>::unflat(r, rows_of<D>(shape)), shape);
     for (index& n : beside) n = n < 0 ? row : n;  // behind a wall an entry sees itself: not known, not counted
     const auto fill = [=](index j) {
-      if (known_a[row + j]) return;
+      if (now[row + j]) return;
       double sum = 0.0;
       int count = 0;
       const auto add = [&](index f) {
-        if (known_a[f] && known_a[f] < mark) sum += ua[f], ++count;
+        if (before[f] && before[f] < mark) sum += ua[f], ++count;
       };
       for (index n : beside) add(n + j);
       add(row + (period ? (j - 1 + period) % period : std::max<index>(j - 1, 0)));
       add(row + (period ? (j + 1) % period : std::min(j + 1, line - 1)));
       if (!count) return;
       ua[row + j] = sum / count;
-      known_a[row + j] = mark;
+      now[row + j] = mark;
     };
     fill(0);
     index j = 1;
     for (; j + word <= line - 1; j += word) {  // entries that are not known but touch one that is, if any
-      const std::uint8_t* here = known_a + row + j;
+      const std::uint8_t* here = before + row + j;
       std::uint64_t around = word_at(here - 1) | word_at(here + 1);
-      for (index side : beside) around |= word_at(known_a + side + j);
+      for (index side : beside) around |= word_at(before + side + j);
       if (around == 0 || !has_zero(word_at(here))) continue;
       for (index i = j; i < j + word; ++i) fill(i);
     }
@@ -197,7 +208,10 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
       if (k < layers)
         for (index r = begin; r < end; ++r) layer_of(a, r, k + 1);
       else
-        for (index f = begin * line; f < end * line; ++f) u[a][f] = known[a][f] ? u[a][f] : 0.0;
+        for (index f = begin * line; f < end * line; ++f) {
+          known[a][f] = copies[layers % 2][a][f];
+          u[a][f] = known[a][f] ? u[a][f] : 0.0;
+        }
     }
   };
   const index slices = g.shape[0] + 1;

@@ -47,8 +47,8 @@ struct WayOut {
 template <int D>
 inline WayOut way_out(const Grid<D>& g, const Solids<D>& solids, int layer, const double (&at)[2], double margin) {
   constexpr int up = D - 1;
-  const index i = std::clamp<index>(static_cast<index>(at[0] / g.h[0]), 0, g.shape[0] - 1),
-              k = std::clamp<index>(static_cast<index>(at[1] / g.h[up]), 0, g.shape[up] - 1),
+  const index i = std::clamp<index>(floor_index(at[0] / g.h[0]), 0, g.shape[0] - 1),
+              k = std::clamp<index>(floor_index(at[1] / g.h[up]), 0, g.shape[up] - 1),
               list = (layer * g.shape[0] + i) * g.shape[up] + k;
   double nearest = std::numeric_limits<double>::infinity(), outward[2] = {};
   WayOut found;

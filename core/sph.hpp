@@ -73,8 +73,10 @@ struct Neighbours {  // the sorted particles
     const double* xi = x + i * D;
     index low[D], width[D], boxes = 1;
     for (int a = 0; a < D; ++a) {
-      low[a] = static_cast<index>(std::floor((xi[a] - radius) / grid.h[a]));
-      width[a] = static_cast<index>(std::floor((xi[a] + radius) / grid.h[a])) - low[a] + 1;
+      const double beyond = grid.h[a] * static_cast<double>(grid.shape[a] + 1);
+      if (!(xi[a] >= -grid.h[a] && xi[a] <= beyond)) return;  // nowhere near the tank: it sees nobody
+      low[a] = floor_index((xi[a] - radius) / grid.h[a]);
+      width[a] = floor_index((xi[a] + radius) / grid.h[a]) - low[a] + 1;
       boxes *= width[a];
     }
     for (index box = 0; box < boxes; ++box) {

@@ -8,28 +8,44 @@
 
 namespace houle {
 
+struct Place {
+  index cell;   // the nearest, for a point outside the tank
+  bool inside;  // the tank, or within a cell of it
+};
+
 template <int D>
-inline index cell_of(const Grid<D>& g, const double* x) {
-  index f = 0;
+inline Place place_of(const Grid<D>& g, const double* x) {
+  Place place{0, true};
   for (int a = 0; a < D; ++a) {
-    index i = static_cast<index>(std::floor(x[a] / g.h[a]));
+    const double s = x[a] / g.h[a];
+    place.inside &= s >= -1.0 && s <= static_cast<double>(g.shape[a] + 1);  // not so for NaN
+    index i = floor_index(s);
     i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
-    f = f * g.shape[a] + i;
+    place.cell = place.cell * g.shape[a] + i;
   }
-  return f;
+  return place;
 }
 
 // Stable sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell. cell (n,)
-// is work space.
+// is work space. Returns the number of the first particle that is not in the tank, nor within a cell of it: -1, none.
+// Such a one has been sorted as if it lay in the cell that is nearest, so that nothing is read or written elsewhere.
 template <int D>
-inline void cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
-                      std::int32_t* start) {
+inline index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
+                       std::int32_t* start) {
   const index cells = g.cells();
-  parallel_for(n, [=](index p) { cell[p] = static_cast<std::int32_t>(cell_of<D>(g, x + D * p)); });
+  const index outside = parallel_reduce(
+      n, n,
+      [=](index p) {
+        const Place place = place_of<D>(g, x + D * p);
+        cell[p] = static_cast<std::int32_t>(place.cell);
+        return place.inside ? n : p;
+      },
+      [](index a, index b) { return std::min(a, b); });
   counting_sort(n, cells, cell, order, start);
   const index nx = g.shape[0], plane = cells / nx;
   for (int i = 1; i <= Team::places && n > 0; ++i)
     Team::shared().tell(i, static_cast<double>(start[nx * i / Team::places * plane]) / static_cast<double>(n));
+  return outside < n ? outside : -1;
 }
 
 // to[k] = from[order[k]] for rows of `width` numbers.
@@ -55,14 +71,17 @@ inline void reorder(index n, index width, const std::int32_t* order, double* row
   });
 }
 
-// Particles in the order of their cells; spare (n, D) is work space.
+// Particles in the order of their cells; spare (n, D) is work space. Where one is outside, as cell_sort tells, they
+// stay as they were, and its number is returned, else -1.
 template <int D>
-inline void sort_particles(const Grid<D>& g, index n, double* x, double* u, double* volume, double* spare,
-                           std::int32_t* order, std::int32_t* start) {
-  cell_sort<D>(g, n, x, reinterpret_cast<std::int32_t*>(spare), order, start);
+inline index sort_particles(const Grid<D>& g, index n, double* x, double* u, double* volume, double* spare,
+                            std::int32_t* order, std::int32_t* start) {
+  const index outside = cell_sort<D>(g, n, x, reinterpret_cast<std::int32_t*>(spare), order, start);
+  if (outside >= 0) return outside;
   reorder(n, D, order, x, spare);
   reorder(n, D, order, u, spare);
   reorder(n, 1, order, volume, spare);
+  return -1;
 }
 
 // Runs slab(p_begin, p_end) over all particles, each slab of columns once, neighbours never at the same time.

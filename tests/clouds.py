@@ -10,7 +10,7 @@ from houle.grid import Faces, FloatArray, Grid
 
 
 @st.composite
-def grids(draw: st.DrawFn, least: int = 3, most: int = 9) -> Grid:
+def grids(draw: st.DrawFn, least: int = 1, most: int = 9) -> Grid:
     """2D or 3D, walls or periodic sides, cells that are not cubes."""
     d = draw(st.sampled_from([2, 3]))
     shape = tuple(draw(st.integers(least, most if d == 2 else max(least, most // 2))) for _ in range(d))

@@ -8,6 +8,7 @@ function that yields findings and add it to CHECKS.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 from math import sqrt
@@ -19,10 +20,10 @@ from houle import laboratory
 from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
 from houle.case_files import is_file
-from houle.ceiling import memory
+from houle.ceiling import first_rows, memory
 from houle.errors import CaseError
 from houle.geometry import enclosed
-from houle.grid import axes
+from houle.grid import MOST_NUMBERS, axes
 from houle.layout import Finding, Section
 from houle.open_checks import open_sides_fit
 from houle.paddle_checks import paddles_fit
@@ -323,7 +324,7 @@ def remeshing(s: Section) -> Iterator[Finding]:
 
 
 def memory_suffices(s: Section) -> Iterator[Finding]:
-    """The particles fit into this machine, as far as one can tell before."""
+    """The particles fit into this machine, as far as one can tell before, and there is a number for each."""
     needed, there = memory(s.case, s.particles(), s.grid.shape[-1]), machine_memory()
     if there is not None and needed > 0.8 * there:
         h = s.case.domain.spacing
@@ -334,6 +335,21 @@ def memory_suffices(s: Section) -> Iterator[Finding]:
             f"= {h:g} m makes {s.particles():.3g} particles, about {needed / 1e9:.3g} GB; this machine has "
             f"{there / 1e9:.3g} GB: domain.spacing = {better:.2g}",
         )
+        if needed > 2 * there:
+            return
+    yield from can_be_numbered(s)
+
+
+def can_be_numbered(s: Section) -> Iterator[Finding]:
+    """The cells, and the particles or the half cells that remeshing gives them to, with 32 bits."""
+    d, h = s.case.dimension, s.case.domain.spacing
+    cells = math.prod(s.grid.shape)
+    rows = first_rows(s.case) / s.grid.shape[-1]
+    most, what = max((cells, "cells"), (s.particles(), "particles"), (2**d * cells * rows, "half cells to remesh on"))
+    if most > MOST_NUMBERS:
+        better = h * (1.01 * most / MOST_NUMBERS) ** (1 / d)
+        text = f"= {h:g} m makes {most:.3g} {what}: at most {MOST_NUMBERS:.3g} can be numbered, from {better:.2g} m on"
+        yield Finding("error", "domain.spacing", text)
 
 
 def machine_memory() -> float | None:

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.grid import FloatArray, Grid
+from houle.grid import FloatArray, Grid, fixed
 from houle.moments import edges
 from houle.porous import Medium, partition
 
@@ -57,8 +57,8 @@ class Capacity:
                 pieces.append(_pieces(z, np.tensordot(across[number], sections, 1)))
         lengths = [len(p) for p in pieces]
         return cls(
-            np.array(column, np.int64),
-            np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64),
+            fixed(np.array(column, np.int64)),
+            fixed(np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)),
             np.concatenate([np.empty((0, 5)), *pieces]),
         )
 

@@ -7,15 +7,18 @@ asked for, changed per axis by the least that makes a whole number of cells fill
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
+from houle.errors import CaseError
 
 FloatArray = NDArray[np.float64]
 SingleFaces = list[NDArray[np.float32]]
+MOST_NUMBERS = 2**31 - 2  # of cells, of particles: with 32 bits, and one more where lists of them end
 Faces = list[FloatArray]  # one array per axis, entry i of axis a on the face at i h_a
 
 
@@ -26,11 +29,19 @@ class Grid:
     shape: tuple[int, ...]
     spacing: tuple[float, ...]
     periodic: tuple[bool, ...]
-    core: object = field(init=False, repr=False, compare=False)
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def core(self) -> _core.Grid2 | _core.Grid3:
+        """As the core takes it. CaseError where there are more cells than it can number, before memory is asked for."""
+        cells = math.prod(self.shape)
+        if cells > MOST_NUMBERS:
+            finer = min(self.spacing) * (1.01 * cells / MOST_NUMBERS) ** (1 / self.dimension)
+            raise CaseError(
+                f"domain.spacing = {min(self.spacing):.3g} makes {cells:.3g} cells: at most {MOST_NUMBERS:.3g} can be "
+                f"numbered, from spacing = {finer:.2g} m on"
+            )
         kind = _core.Grid2 if self.dimension == 2 else _core.Grid3
-        object.__setattr__(self, "core", kind(self.shape, self.spacing, self.periodic))
+        return kind(self.shape, self.spacing, self.periodic)
 
     @classmethod
     def fit(cls, size: tuple[float, ...], spacing: float, periodic: tuple[bool, ...] | None = None) -> Grid:
@@ -79,6 +90,13 @@ class Grid:
         """Positions (..., d) [m] of the cell centres, or of the faces of one axis."""
         lines = [self.axis_points(a, on_faces=a == axis) for a in range(self.dimension)]
         return np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
+
+
+def fixed(table: NDArray) -> NDArray:
+    """A copy that cannot be written to: what indexes other arrays is checked by the core once, not in every call."""
+    table = np.array(table, order="C")
+    table.flags.writeable = False
+    return table
 
 
 def axes(dimension: int) -> str:

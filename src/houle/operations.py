@@ -27,7 +27,14 @@ MOST_SHIFT = 0.1  # cells a correction may move a particle
 def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
     p, work = flow.particles, flow.work
-    _core.sort_particles(flow.grid.core, p.position, p.velocity, p.volume, work.spare, work.order, flow.start)
+    try:
+        _core.sort_particles(flow.grid.core, p.position, p.velocity, p.volume, work.spare, work.order, flow.start)
+    except FloatingPointError as error:
+        raise SimulationError(
+            str(error),
+            diagnosis="A particle is where no water can be, most often because a velocity became infinite or not a "
+            "number in this step.",
+        ) from error
     for name, values in transfer.arrays.items():
         transfer.arrays[name] = values[work.order]
     flow.sample_medium()
@@ -174,7 +181,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     iterations, residual = work.solver.solve(work.rhs, flow.pressure, tolerance, 200)
     ledger.note(pressure_iterations=iterations, divergence=residual * dt)
     if not residual <= tolerance:
-        place = np.unravel_index(np.nanargmax(np.abs(work.rhs)), flow.grid.shape)
+        place = np.unravel_index(np.argmax(np.nan_to_num(np.abs(work.rhs), nan=np.inf)), flow.grid.shape)
         raise SimulationError(
             f"the pressure did not converge: max |div u_d| dt = {residual * dt:.2e}, wanted {flow.tolerance:.2e}",
             place=tuple((i + 0.5) * h for i, h in zip(place, flow.grid.spacing, strict=True)),

@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
-from houle.grid import Faces, FloatArray, Grid, SingleFaces, widened
+from houle.grid import Faces, FloatArray, Grid, SingleFaces, fixed, widened
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
 
@@ -106,10 +106,10 @@ class Medium:
             grid=grid,
             bodies=tuple(bodies),
             solids=tuple(solids),
-            kind=kind,
+            kind=fixed(kind),
             kinds=dict(zip(names, np.ascontiguousarray(kinds.T), strict=True)),
             open_faces=open_faces,
-            material=material,
+            material=[fixed(number) for number in material],
             materials=materials,
             body=_index_bodies(grid, parts),
             outline=outline,

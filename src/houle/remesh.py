@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +65,7 @@ class Conservative:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
         pores = (self.porosity, self.body, self.outline)
-        new = Particles(*_core.remesh_conservative(self.grid.core, *pores, *arrays, *between))
+        new = _made_anew(_core.remesh_conservative, self.grid.core, *pores, *arrays, *between)
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(
@@ -90,9 +91,20 @@ class Paper:
 
     def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
         p, core = particles, self.grid.core
-        new = Particles(*_core.remesh_paper(core, p.position, p.velocity, p.volume, porosity, self.threshold))
+        arrays = (p.position, p.velocity, p.volume, porosity)
+        new = _made_anew(_core.remesh_paper, core, *arrays, self.threshold)
         _core.leave_solids(core, self.outline, new.position)
         return new
+
+
+def _made_anew(scheme: Callable[..., tuple[FloatArray, FloatArray, FloatArray]], *arguments: Any) -> Particles:
+    """The particles of a remeshing of the core; it refuses those that are not numbers."""
+    try:
+        return Particles(*scheme(*arguments))
+    except FloatingPointError as error:
+        raise SimulationError(
+            str(error), diagnosis="What a particle carries became infinite or not a number in this step."
+        ) from error
 
 
 def keep(particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:

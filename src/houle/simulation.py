@@ -256,6 +256,10 @@ class Simulation:
                 diagnosis="A few particles have a speed without physical cause; another transfer or kernel may not.",
             )
         drift = self.volume_drift
+        if not math.isfinite(drift):
+            raise SimulationError(
+                "the volume is no longer a number", diagnosis="A particle carries a volume that is not a number."
+            )
         if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":
             raise SimulationError(
                 f"water was lost: the volume has changed by {drift:.2e} of itself",

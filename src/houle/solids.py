@@ -18,7 +18,7 @@ from shapely.geometry.polygon import orient
 
 from houle import _core
 from houle.geometry import Shape, layers, polygons, section
-from houle.grid import FloatArray, Grid, SingleFaces, widened
+from houle.grid import FloatArray, Grid, SingleFaces, fixed, widened
 from houle.moments import section_moments
 
 ON_OUTLINE = 1e-6  # [spacings] a face nearer to the outline lies on it
@@ -55,7 +55,8 @@ class Outline(NamedTuple):
         if before == 0:
             return None
         start = np.concatenate([[0], np.cumsum(np.concatenate(counts))]).astype(np.int64)
-        return cls(start, np.concatenate(numbers).astype(np.int32), np.concatenate(edges), np.array(top, float))
+        number = np.concatenate(numbers).astype(np.int32)
+        return cls(fixed(start), fixed(number), np.concatenate(edges), np.array(top, float))
 
 
 class ClosedFaces(NamedTuple):
@@ -88,7 +89,7 @@ def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_face
         place = np.concatenate([normal, outside, np.where(on_it, 0.0, np.minimum(depth / spacing, 1.0))], axis=1)
         used = ~on_it[:, 0] | beside[tuple(index.T)]
         face = np.ravel_multi_index(tuple(index[used].T), grid.face_shape(axis))
-        found.append(ClosedFaces(face.astype(np.int64), np.ascontiguousarray(place[used])))
+        found.append(ClosedFaces(fixed(face.astype(np.int64)), np.ascontiguousarray(place[used])))
     return found
 
 

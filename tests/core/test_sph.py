@@ -254,5 +254,5 @@ def test_wrong_input_is_refused():
         Smoothing(grid, ("slip",) * 4, 0.3, "cubic").density_sum(x, start, bulk)
     with pytest.raises(ValueError, match="unknown wall"):
         Smoothing(grid, ("sticky",) * 4, 0.3).density_sum(x, start, bulk)
-    with pytest.raises(ValueError, match="start does not fit"):
+    with pytest.raises(ValueError, match="cell_start does not fit"):
         Smoothing(grid, ("slip",) * 4, 0.3).density_sum(x[:-1].copy(), start, bulk[:-1])
