@@ -17,7 +17,7 @@ static Walls<D> walls_of(const std::vector<std::string>& names) {  // lower and 
   if (names.size() != 2 * D) refuse("walls needs two names per axis");
   Walls<D> walls;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    if (names[k] != "free" && names[k] != "slip" && names[k] != "no-slip") refuse("unknown wall " + names[k]);
+    if (names[k] != "free" && names[k] != "slip" && names[k] != "no-slip") refuse("walls: unknown wall " + names[k]);
     walls.side[k / 2][k % 2] = names[k] == "free" ? Wall::free : (names[k] == "slip" ? Wall::slip : Wall::no_slip);
   }
   return walls;

@@ -46,11 +46,11 @@ static void require_grid(const std::array<index, D>& shape, const std::array<dou
   const std::string text = shape_text(shape.data(), D);
   index cells = 1;
   for (int a = 0; a < D; ++a) {
-    if (shape[a] < 1) throw nb::value_error(("the grid needs cells along every axis, not " + text).c_str());
+    if (shape[a] < 1) throw nb::value_error(("shape must have cells along every axis, not " + text).c_str());
     if (!(spacing[a] > 0 && spacing[a] <= std::numeric_limits<double>::max()))
-      throw nb::value_error("the spacing of the grid must be positive and finite");
+      throw nb::value_error("spacing must be positive and finite");
     if (shape[a] > most / cells)
-      throw nb::value_error(("a grid of " + text + " has more than 2^31 - 2 cells: they cannot be numbered").c_str());
+      throw nb::value_error(("shape " + text + " makes more than 2^31 - 2 cells: they cannot be numbered").c_str());
     cells *= shape[a];
   }
 }

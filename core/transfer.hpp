@@ -10,15 +10,15 @@ namespace houle {
 
 struct Place {
   index cell;   // the nearest, for a point outside the tank
-  bool inside;  // the tank, or within a cell of it
+  bool inside;  // the tank, or no farther from it than it is long: outside is where a flow that blew up goes
 };
 
 template <int D>
 inline Place place_of(const Grid<D>& g, const double* x) {
   Place place{0, true};
   for (int a = 0; a < D; ++a) {
-    const double s = x[a] / g.h[a];
-    place.inside &= s >= -1.0 && s <= static_cast<double>(g.shape[a] + 1);  // not so for NaN
+    const double s = x[a] / g.h[a], n = static_cast<double>(g.shape[a]);
+    place.inside &= s >= -n && s <= 2.0 * n;  // not so for NaN
     index i = floor_index(s);
     i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
     place.cell = place.cell * g.shape[a] + i;
@@ -27,7 +27,7 @@ inline Place place_of(const Grid<D>& g, const double* x) {
 }
 
 // Stable sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell. cell (n,)
-// is work space. Returns the number of the first particle that is not in the tank, nor within a cell of it: -1, none.
+// is work space. Returns the number of the first particle that is far outside the tank or nowhere: -1, none.
 // Such a one has been sorted as if it lay in the cell that is nearest, so that nothing is read or written elsewhere.
 template <int D>
 inline index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,

@@ -68,7 +68,8 @@ class Smoothing:
         1 in full water, up to the walls; about 1/2 at a flat free surface.
         """
         out = np.empty(len(position))
-        _core.sph_density_sum(self.grid.core, self.walls, self.kernel, self.radius, position, cell_start, bulk, out)
+        near = (self.grid.core, self.walls, self.kernel, self.radius, position, _as_core(cell_start))
+        _core.sph_density_sum(*near, bulk, out)
         return out
 
     def velocity_gradient(
@@ -77,7 +78,8 @@ class Smoothing:
         """(N, d, d) du_a/dx_b [1/s], exact for linear fields, at the surface too; zero where neighbours are too few."""
         d = self.grid.dimension
         out = np.empty((len(position), d, d))
-        _core.sph_velocity_gradient(self.grid.core, self.kernel, self.radius, position, cell_start, velocity, bulk, out)
+        near = (self.grid.core, self.kernel, self.radius, position, _as_core(cell_start))
+        _core.sph_velocity_gradient(*near, velocity, bulk, out)
         return out
 
     def eddy_viscosity(
@@ -105,9 +107,8 @@ class Smoothing:
         """(N, d) [m/s2]. velocity: the pore velocity u_d/n for eq. (13); viscosity: (N,) or a number [m2/s]."""
         out = np.empty_like(position)
         nu = np.full(len(position), viscosity) if np.isscalar(viscosity) else viscosity
-        _core.sph_viscous_acceleration(
-            self.grid.core, self.walls, self.kernel, self.radius, position, cell_start, velocity, bulk, nu, out
-        )
+        near = (self.grid.core, self.walls, self.kernel, self.radius, position, _as_core(cell_start))
+        _core.sph_viscous_acceleration(*near, velocity, bulk, nu, out)
         return out
 
     def time_step_limit(self, viscosity: float) -> float:
@@ -119,3 +120,8 @@ class Smoothing:
         d = self.grid.dimension
         spectrum = 2 * 2 * (d + 2) / d * KERNEL_STIFFNESS[self.kernel] * viscosity / self.radius**2
         return 2 / spectrum if spectrum > 0 else np.inf
+
+
+def _as_core(cell_start: NDArray) -> NDArray[np.int32]:
+    """As the core numbers particles; nothing is copied if it is that already."""
+    return np.ascontiguousarray(cell_start, np.int32)

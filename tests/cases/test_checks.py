@@ -229,6 +229,20 @@ def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
     assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "8 GB" in message
 
 
+@pytest.mark.parametrize("memory", [None, 1e15])
+def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, memory):
+    """On any machine, and told before anything is allocated: 1.2e10 half cells, where 32 bits number 2.1e9."""
+    monkeypatch.setattr(checks, "machine_memory", lambda: memory)
+    message = error(tank(1e-5))
+    assert (
+        "domain.spacing = 1e-05 m makes 1.2e+10 half cells" in message and "at most 2.15e+09 can be numbered" in message
+    )
+    better = float(message.partition("from ")[2].split()[0])
+    assert 2e-5 < better < 3e-5
+    with pytest.raises(CaseError, match="can be numbered"):
+        _ = tank(1e-5).domain.grid.core
+
+
 def test_expected_velocity_of_a_passport_follows_the_drop():
     still = preflight.passports(tank(porous=[rock()]))[0]
     assert still.gradient == pytest.approx(preflight.STILL)

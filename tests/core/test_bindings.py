@@ -82,16 +82,18 @@ def test_tables_that_point_elsewhere_are_refused(read_only):
     number, value = numbered(GRID.cells(1.0))
 
     def sample(number, value):
-        _core.sample_medium(GRID.core, x, volume, (number, value), (number, value), bulk, np.zeros(1, np.float32))
+        faces = [np.zeros(GRID.face_shape(a), np.int32) for a in range(2)]
+        medium = (faces, np.array([[1.0, 0.0, 0.0]]), numbered(GRID.cells(1.0)), (number, value))
+        _core.sample_medium(GRID.core, *medium, x, volume, bulk, np.zeros((1, 2), np.float32))
 
     for _ in range(2):
         sample(made(number), value)
         for wrong in (-1, len(value), 2**31 - 1):
             spoiled = number.copy()
             spoiled[-1] = wrong
-            with pytest.raises(ValueError, match="cell_porosity has numbers outside 0 to 11"):
+            with pytest.raises(ValueError, match="porosity has numbers outside 0 to 11"):
                 sample(made(spoiled), value)
-        with pytest.raises(ValueError, match="cell_porosity has numbers outside 0 to 10"):
+        with pytest.raises(ValueError, match="porosity has numbers outside 0 to 10"):
             sample(made(number), value[:-1])
 
 
@@ -178,6 +180,6 @@ def test_remeshing_refuses_what_is_no_number(name):
     p = {"position": np.full((4, 2), 0.3), "velocity": np.ones((4, 2)), "volume": np.full(4, 0.1)}
     p[name].flat[1] = np.nan
     with pytest.raises(FloatingPointError, match="outside the tank" if name == "position" else name):
-        _core.remesh_conservative(GRID.core, None, np.zeros((8, 6), np.int8), *p.values(), None)
+        _core.remesh_conservative(GRID.core, None, np.zeros((8, 6), np.int8), None, *p.values(), None)
     with pytest.raises(FloatingPointError, match="outside the tank" if name == "position" else name):
         _core.remesh_paper(GRID.core, *p.values(), None, 0.01)

@@ -13,7 +13,7 @@ from situations import DAM_BREAK, run, simulation
 import houle.step
 from houle.errors import SimulationError
 
-OPERATIONS = ("project", "move", "correct_positions", "exchange", "arrange")
+OPERATIONS = ("move", "correct_positions", "exchange", "arrange")
 NAMES = ("position", "velocity", "volume")
 NOT_NUMBERS = (np.nan, np.inf, -np.inf)
 SETTINGS = (
@@ -36,6 +36,8 @@ IN_3D = {
 def broken(monkeypatch, case, operation, name, value, settings):
     """Runs five steps, then three in which `name` of some particles becomes `value` after that operation."""
     sim = run(simulation(case, numerics__remesh_every=2, **settings), 5)
+    if operation == "move" and "numerics__scheme" in settings:
+        operation = "drift"  # the paper's
     real = getattr(houle.step, operation)
 
     def then_spoil(flow, *arguments):
