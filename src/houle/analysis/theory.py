@@ -30,6 +30,8 @@ from numpy.typing import NDArray
 from houle.analysis.errors import AnalysisError
 from houle.waves.dispersion import GRAVITY
 
+BEYOND = 1.2  # times the largest root wanted: Im(x c) from which on the roots are near the poles of tanh
+
 Complex = NDArray[Any]
 Real = NDArray[np.float64]
 
@@ -67,8 +69,13 @@ def vertical_modes(omega: float, depth: float, c: complex, number: int, gravity:
     of s = 1 + z / h (even: the bottom is met by itself) the weak form is a diagonal mass 1 / (4 j + 1), the stiffness
     m (2 m + 1), m = min(i, j), in closed form, and x c times a matrix of ones: its eigenvalues are (K h)^2. Three
     times as many polynomials as modes are taken, and each root is polished by Newton to rounding.
+
+    The matrix grows with x |c|. Where friction is so large that Im(x c) lies beyond all the roots wanted, these are
+    near the poles of tanh, K h = i pi (m - 1/2) + artanh(K h / (x c)), and this iteration contracts by 1 / |x c|.
     """
     x = omega**2 * depth / gravity
+    if (x * c).imag > BEYOND * np.pi * number:
+        return _near_poles(x * c, number) / depth
     size = 3 * number + 20 + int(3 * x * abs(c))
     j = np.arange(size)
     m = np.minimum(j[:, None], j[None, :])
@@ -88,6 +95,17 @@ def vertical_modes(omega: float, depth: float, c: complex, number: int, gravity:
     return y / depth
 
 
+def _near_poles(xc: complex, number: int) -> Complex:
+    """The first roots of y tanh(y) = x c for a large Im(x c)."""
+    poles = 1j * np.pi * (np.arange(number) + 0.5)
+    y = poles
+    for _ in range(30):
+        last, y = y, poles + np.arctanh(y / xc)
+        if np.max(abs(y - last) / abs(y)) < 1e-15:
+            break
+    return y
+
+
 @dataclass(frozen=True)
 class _Region:
     """Vertical modes of water and pores, their overlaps <Z_q, Y_m> and norms; surface value 1."""
@@ -104,18 +122,17 @@ class _Region:
 def _region(omega: float, depth: float, c: complex, modes: int, gravity: float) -> _Region:
     k = vertical_modes(omega, depth, 1.0 + 0j, modes, gravity)
     K = k if c == 1 else vertical_modes(omega, depth, c, modes, gravity)
-    return _Region(
-        depth, c, k, K, _overlap(k[:, None], K[None, :], depth), _overlap(k, k, depth), _overlap(K, K, depth)
-    )
+    deep = omega**2 / gravity  # = k tanh(k h); that of the pores is c times it: tanh itself is lost near its poles
+    difference = k[:, None] ** 2 - K[None, :] ** 2
+    same = abs(difference) < 1e-9 * abs(k[:, None] ** 2)
+    overlap = np.where(same, _norm(k, deep, depth)[:, None], deep * (1.0 - c) / np.where(same, 1.0, difference))
+    return _Region(depth, c, k, K, overlap, _norm(k, deep, depth), _norm(K, c * deep, depth))
 
 
-def _overlap(a: Complex, b: Complex, h: float) -> Complex:
-    """Integral over the depth of cosh(a (z + h)) cosh(b (z + h)) / (cosh(a h) cosh(b h))."""
-    ta, tb = np.tanh(a * h), np.tanh(b * h)
-    difference = a * a - b * b
-    same = abs(difference) < 1e-9 * abs(a * a)
-    equal = 0.5 * (h * (1.0 - ta * ta) + ta / a)
-    return np.where(same, equal, (a * ta - b * tb) / np.where(same, 1.0, difference))
+def _norm(K: Complex, product: complex, h: float) -> Complex:
+    """Integral over the depth of (cosh(K (z + h)) / cosh(K h))^2, where K tanh(K h) = product."""
+    t = product / K
+    return 0.5 * (h * (1.0 - t * t) + t / K)
 
 
 def _half(r: _Region, porosity: float, length: float, wall: bool) -> tuple[Complex, Complex]:
