@@ -240,7 +240,7 @@ def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
     for name in ("C_R", "C_T", "C_D"):
         value, (low, high) = entry[name], entry[f"interval_{name[-1]}"]
         if _number(value):
-            sure = f" ({low:.3f} to {high:.3f})" if _number(low) else ""
+            sure = f" ({low:.3f} to {high:.3f}, numerics not included)" if _number(low) else ""
             beside = f"   linear theory {known[name]:.3f}" if _number(known.get(name)) else ""
             lines.append((name, f"{value:.3f}{sure}{beside}"))
     heights = [("incident", "H_I"), ("reflected", "H_R"), ("transmitted", "H_T")]
