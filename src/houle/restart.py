@@ -78,7 +78,7 @@ def restored(
         if checkpoint is None:
             says.say(f"warning: {path.name} is damaged and passed over")
             continue
-        if checkpoint.meta.get("case_hash") not in hashes:
+        if checkpoint.meta.get("case_hash") not in list(hashes):
             others = True
             says.say(f"warning: {path.name} is that of another case and passed over")
             continue

@@ -383,7 +383,7 @@ class Simulation:
             **{name: np.array(getattr(ledger, name)) for name in WORKS},
             **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
             **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
-            **{f"notes.{k}": np.array(v) for k, v in ledger.notes.items()},
+            **{f"notes.{k}": np.array(float(v)) for k, v in ledger.notes.items()},
             **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
             **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
             **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},

@@ -205,6 +205,7 @@ def campaign(inputs: int, seed: int, tell: Callable[[str], Any] = print) -> list
     houle.runner.draw = lambda run, session: None
     with tempfile.TemporaryDirectory(prefix="folders-") as base:
         good = houle.run(CASE, out=Path(base, "good"), threads=1, until=0.03).directory
+        houle.resume(shutil.copytree(good, Path(base, "resumed")), threads=1)  # all modules are loaded, for the forks
         for number in range(inputs):
             folder = Path(base, "spoiled")
             shutil.copytree(good, folder)

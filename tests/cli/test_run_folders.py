@@ -101,6 +101,7 @@ ABSURD = {
     "more water than room": lambda state, meta: state.update(volume=1e3 * state["volume"]),
     "a clock without wall time": lambda state, meta: meta.pop("wall_seconds"),
     "another case": lambda state, meta: meta.update(case_hash="0"),
+    "no hash": lambda state, meta: meta.update(case_hash=[]),
 }
 
 

@@ -133,12 +133,14 @@ def new_hdf5(path: Path, *, durable: bool = False) -> Iterator[h5py.File]:
 class Sink:
     """A file for HDF5, which crashes when a write fails: takes everything, and tells of the first error at the end.
 
-    A new one, or with mode "r+b" the one that is there.
+    A new one, or with mode "r+b" the one that is there. What is written after an error is kept in memory: HDF5 may want
+    to read it again before it is done.
     """
 
     def __init__(self, path: Path, mode: Literal["w+b", "r+b"] = "w+b") -> None:
         self.file: FileIO = open(path, mode, buffering=0)  # noqa: SIM115
         self.error: OSError | None = None
+        self.kept: list[tuple[int, bytes]] = []  # place and what was written there in vain
         self.place, self.end = 0, os.fstat(self.file.fileno()).st_size
 
     def __enter__(self) -> Sink:
@@ -162,6 +164,8 @@ class Sink:
         self._try(self.file.seek, self.place)
         while len(view) and not self.error:
             view = view[self._try(self.file.write, view) or 0 :]
+        if len(view):
+            self.kept.append((self.place + size - len(view), bytes(view)))
         self.place += size
         self.end = max(self.end, self.place)
         return size
@@ -173,9 +177,13 @@ class Sink:
 
     def readinto(self, buffer: Any) -> int:
         view = memoryview(buffer).cast("B")
-        self._try(self.file.seek, self.place)
-        got = self._try(self.file.readinto, view) or 0
+        self.file.seek(self.place)
+        got = self.file.readinto(view) or 0
         view[got:] = bytes(len(view) - got)
+        for place, data in self.kept:
+            first, last = max(place, self.place), min(place + len(data), self.place + len(view))
+            if first < last:
+                view[first - self.place : last - self.place] = data[first - place : last - place]
         self.place += len(view)
         return len(view)
 

@@ -17,7 +17,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
 import h5py
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +25,7 @@ from houle.output.atomic import DAMAGES, Sink, put_aside, remove, replacing, rep
 from houle.output.lock import TAKEN, lock
 from houle.output.netcdf import TIME, Table, Variable, append, fill, pieces, write
 
+OF_THE_FORMAT = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "coordinates")  # attributes
 ROOM = 16e6  # bytes of rows in memory, from which on they go to the file
 
 
@@ -124,7 +124,7 @@ class Growing(ABC):
             if keep:
                 with replacing(self.path) as temporary:
                     found = _table_in(source, keep)
-                    _fill(temporary, replace(found, attrs=self.attributes))
+                    fill(temporary, replace(found, attrs=self.attributes), grows=True)
         self._begun = keep > 0
         if last >= time - 1e-9 * abs(time):
             return []
@@ -137,7 +137,7 @@ class Growing(ABC):
     def _grow(self) -> None:
         """The hidden file holds everything, however it comes to that."""
         if not self._begun:
-            _fill(self.hidden, self.table_of(self._fresh.columns))
+            fill(self.hidden, self.table_of(self._fresh.columns), grows=True)
             return
         more = [self._behind, self._fresh]
         if not (self._hidden and self.hidden.exists()):
@@ -159,7 +159,7 @@ class Growing(ABC):
             shutil.copyfile(self.path, self.hidden)
         else:
             with _opened(self.path) as source:
-                _fill(self.hidden, _table_in(source))
+                fill(self.hidden, _table_in(source), grows=True)
 
     def _take_the_name(self) -> None:
         former = self.path.with_name(f".{self.path.stem}.former{self.path.suffix}")
@@ -206,49 +206,47 @@ class Growing(ABC):
 
 
 @contextlib.contextmanager
-def _opened(path: Path) -> Iterator[h5netcdf.File]:
-    with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
+def _opened(path: Path) -> Iterator[h5py.File]:
+    with h5py.File(path, "r") as file:
         yield file
 
 
-def _table_in(source: h5netcdf.File, keep: int | None = None) -> Table:
+def _table_in(source: h5py.File, keep: int | None = None) -> Table:
     """The table of a file, its first rows if `keep` says how many; what grows is left in the file."""
-    found = {name: _variable_in(stored, keep) for name, stored in source.variables.items()}
-    beside = {word for stored in source.variables.values() for word in stored.attrs.get("coordinates", "").split()}
+    found = {name: _variable_in(stored, keep) for name, stored in source.items()}
+    beside = {word for stored in source.values() for word in stored.attrs.get("coordinates", "").split()}
     coordinates = {name: v for name, v in found.items() if name in v.dims or name in beside}
-    attributes = {k: v for k, v in source.attrs.items() if not k.startswith("_")}
-    return Table({name: v for name, v in found.items() if name not in coordinates}, coordinates, attributes)
+    return Table({name: v for name, v in found.items() if name not in coordinates}, coordinates, _attributes(source))
 
 
-def _variable_in(stored: Any, keep: int | None) -> Variable:
-    attributes = {key: value for key, value in stored.attrs.items() if key not in ("coordinates", "_FillValue")}
-    dims = stored.dimensions
-    values: Any = _First(stored, dims, keep) if TIME in dims else stored[...]
-    return Variable(dims, values, attributes)
+def _variable_in(stored: h5py.Dataset, keep: int | None) -> Variable:
+    name = stored.name.lstrip("/")
+    dims = (name,) if stored.is_scale else tuple(d[0].name.lstrip("/") for d in stored.dims)
+    words = h5py.check_string_dtype(stored.dtype) is not None
+    values: Any = stored.asstr()[...] if words else _First(stored, dims, keep) if TIME in dims else stored[...]
+    return Variable(dims, values, _attributes(stored))
+
+
+def _attributes(node: Any) -> dict[str, Any]:
+    """Those that were given, not those that netCDF and HDF5 keep for themselves."""
+    return {key: value for key, value in node.attrs.items() if not (key in OF_THE_FORMAT or key.startswith("_"))}
 
 
 class _First:
     """The first rows of a variable in an open file, looked at like an array."""
 
-    def __init__(self, stored: Any, dims: Sequence[str], keep: int | None) -> None:
+    def __init__(self, stored: h5py.Dataset, dims: Sequence[str], keep: int | None) -> None:
         self.stored, self.axis = stored, dims.index(TIME)
         self.dtype = stored.dtype
         self.shape = tuple(n if d != TIME or keep is None else keep for d, n in zip(dims, stored.shape, strict=True))
         self.size = int(np.prod(self.shape, dtype=float))
 
     def __getitem__(self, piece: tuple[slice, ...]) -> NDArray:
-        along = piece[self.axis]
-        stop = self.shape[self.axis]
-        begin, end, _ = along.indices(stop)
+        begin, end, _ = piece[self.axis].indices(self.shape[self.axis])
         return self.stored[(*piece[: self.axis], slice(begin, end), *piece[self.axis + 1 :])]
 
 
-def _fill(path: Path, table: Table) -> None:
-    with Sink(path) as sink, h5netcdf.File(sink, "w") as file:
-        fill(file, table, grows=True)
-
-
-def _count_until(source: h5netcdf.File, time: float) -> int:
+def _count_until(source: h5py.File, time: float) -> int:
     return int(np.searchsorted(source[TIME][...], time * (1 + 1e-12), side="right"))
 
 

@@ -62,15 +62,26 @@ class Table(Mapping[str, Variable]):
 
 def write(path: Path, table: Table) -> None:
     """The whole file or nothing; every dimension has a coordinate. Missing values are NaN, coordinates have none."""
-    with replacing(path) as temporary, Sink(temporary) as sink, h5netcdf.File(sink, "w") as file:
-        fill(file, table)
+    with replacing(path) as temporary:
+        fill(temporary, table)
 
 
-def fill(file: h5netcdf.File, table: Table, grows: bool = False) -> None:
-    """Puts the table into an empty file, piece by piece: its values may lie in a file themselves.
+def fill(path: Path, table: Table, grows: bool = False) -> None:
+    """Makes a file of the table, piece by piece: its values may lie in a file themselves.
 
     grows: so that rows can be appended in time. Else compressed where it is worth it.
     """
+    with Sink(path) as sink:
+        with h5netcdf.File(sink, "w") as file:
+            _describe(file, table, grows)
+        with h5py.File(sink, "r+") as file:  # h5netcdf looks at all variables for the length of one that grows
+            for name, variable in table.items():
+                for piece in pieces(variable):
+                    file[name][piece] = variable.values[piece]
+
+
+def _describe(file: h5netcdf.File, table: Table, grows: bool) -> None:
+    """Names, dimensions, types and attributes."""
     sizes = table.sizes
     file.attrs.update(table.attrs)
     file.dimensions = {name: None if grows and name == TIME else size for name, size in sizes.items()}
@@ -85,8 +96,6 @@ def fill(file: h5netcdf.File, table: Table, grows: bool = False) -> None:
             options |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
         kind = h5py.string_dtype() if words else variable.values.dtype
         stored = file.create_variable(name, variable.dims, kind, **options)
-        for piece in pieces(variable):
-            stored[piece] = variable.values[piece]
         stored.attrs.update(variable.attrs)
         beside = {n for n, c in table.coordinates.items() if n not in sizes and set(c.dims) <= set(variable.dims)}
         if measured and beside:
