@@ -129,8 +129,6 @@ static void bind_surface(nb::module_& m) {
       m, "water_above",
       [](G g, Given fill, index row) {
         const double* F = cells(g, fill, "fill");
-        if (row > g.shape[D - 1])
-          refuse("row is " + std::to_string(row) + ", the grid has " + std::to_string(g.shape[D - 1]));
         nb::gil_scoped_release release;
         return water_above<D>(g, F, row);
       },

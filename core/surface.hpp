@@ -134,7 +134,7 @@ template <int D>
 inline bool water_above(const Grid<D>& g, const double* fill, index row) {
   const index nz = g.shape[D - 1];
   return parallel_max(g.cells() / nz, [=](index c) {
-           const double *first = fill + c * nz + std::max<index>(row, 0), *last = fill + (c + 1) * nz;
+           const double *first = fill + c * nz + std::clamp<index>(row, 0, nz), *last = fill + (c + 1) * nz;
            return std::all_of(first, last, [](double F) { return F == 0.0; }) ? 0.0 : 1.0;
          }) > 0.0;
 }

@@ -100,7 +100,7 @@ class Paper:
 def _made_anew(scheme: Callable[..., tuple[FloatArray, FloatArray, FloatArray]], *arguments: Any) -> Particles:
     """The particles of a remeshing of the core; it refuses those that are not numbers."""
     try:
-        return Particles(*scheme(*arguments))
+        return Particles(*scheme(*(np.ascontiguousarray(a) if isinstance(a, np.ndarray) else a for a in arguments)))
     except FloatingPointError as error:
         raise SimulationError(
             str(error), diagnosis="What a particle carries became infinite or not a number in this step."
