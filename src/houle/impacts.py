@@ -17,9 +17,9 @@ FEW = 1.5  # steps: what lasts no longer is an impulse
 
 
 def record(run: Run) -> dict[str, Any]:
-    """The entry of run.json, a list in the order of the sensors; {} without sensors or with a single row."""
+    """The entry of run.json, a list in the order of the sensors; {} without sensors, steps or a second row."""
     series = run.series
-    if "pressure" not in series or series.sizes["time"] < 2:
+    if not {"pressure", "step_size"} <= set(series) or series.sizes["time"] < 2:
         return {}
     time, step = series.time.values, series.step_size.values
     found = []
