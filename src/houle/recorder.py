@@ -12,6 +12,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -140,6 +141,20 @@ class Recorder:
         while (time := multiple(self.rows, self.series_every)) <= until:
             self.outputs.append_series(time, interpolate(time, self.observed, lag))
             self.rows += 1
+
+    def agrees(self, simulation: Any) -> bool:
+        """Whether what was restored belongs to a simulation that stands here: its time, its sample, its rows."""
+        shapes = {name: np.shape(value) for name, value in simulation.sample().items()}
+        times = [observed.time for observed in self.observed]
+        row = multiple(self.rows, self.series_every)
+        return (
+            bool(times)
+            and times[-1] == simulation.time
+            and all(a < b for a, b in pairwise(times))
+            and all(0 <= o.step < np.inf for o in self.observed)
+            and all({n: np.shape(v) for n, v in o.values.items()} == shapes for o in self.observed)
+            and self.last_row <= ([0.0, *times])[-2] < row
+        )
 
     def state(self) -> dict[str, Any]:
         """What a checkpoint must hold beside the simulation's own state; every name starts with PREFIX."""

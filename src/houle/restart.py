@@ -16,6 +16,7 @@ from houle.output import Checkpoint, checkpoints, read_manifest, write_manifest
 from houle.output.atomic import DAMAGES, OutputError, told, write_text
 from houle.output.checkpoint import load as load_checkpoint
 from houle.progress import Silent
+from houle.recorder import Recorder
 
 CASE_FILE = "case.toml"
 ON_CELLS = ("pressure", "psi")  # arrays of a state, (nx, [ny,] rows)
@@ -111,13 +112,16 @@ def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[
         simulation = Simulation(case, threads)
         simulation.restore(state)
         known = simulation.state()
+        recorder = Recorder(None, case.time.end, case.output.every, case.output.series_every)
+        recorder.restore(checkpoint.state)
+        agrees = recorder.agrees(simulation)
     except HouleError:
         raise
     except DAMAGES as error:
         return None, f"its state is not that of this case ({told(error)})"
     if wrong := {name for name in known.keys() | state.keys() if _shape(known, name) != _shape(state, name)}:
         return None, f"its state is not that of this case ({', '.join(sorted(wrong))})"
-    return simulation, None
+    return simulation, None if agrees else "what it has observed is not of this run"
 
 
 def _shape(state: Mapping[str, Any], name: str) -> tuple[int, ...] | None:

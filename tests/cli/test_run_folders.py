@@ -101,6 +101,9 @@ ABSURD = {
     "more water than room": lambda state, meta: state.update(volume=1e3 * state["volume"]),
     "a clock without wall time": lambda state, meta: meta.pop("wall_seconds"),
     "another case": lambda state, meta: meta.update(case_hash="0"),
+    "a sample without a gauge": lambda state, meta: state.pop("recorder.0.sample.eta"),
+    "an earlier sample": lambda state, meta: state.update({"recorder.0.time": np.float64(9.0)}),
+    "other rows": lambda state, meta: state.update({"recorder.rows": np.int64(10**12)}),
     "no hash": lambda state, meta: meta.update(case_hash=[]),
 }
 
