@@ -128,7 +128,7 @@ class Outputs:
         last = frames[-1] if frames else time
         return [
             *self.series.truncate_after(row, sample, hashes),
-            *self.surface.truncate_after(last, None, hashes),
+            *self.surface.truncate_after(last, self.surface.blank, hashes),
             *self.fields.truncate_after(time, frames, hashes),
         ]
 

@@ -34,6 +34,11 @@ class SurfaceWriter(Growing):
         """One profile."""
         self.add(frame.time, {"eta": np.asarray(frame.eta, dtype=float).T})
 
+    @property
+    def blank(self) -> dict[str, NDArray]:
+        """A row without water, to tell whether a file holds such rows."""
+        return {"eta": np.zeros(self.grid.shape[:-1]).T}
+
     def table_of(self, columns: Mapping[str, NDArray]) -> Table:
         d, plan = self.grid.dimension, ("y", "x")[3 - self.grid.dimension :]
         coordinates = {TIME: Variable((TIME,), columns[TIME], describe(find(TIME), d))}
