@@ -156,8 +156,9 @@ def computed(name: str, folder: Path) -> tuple[Path, houle.Run, float]:
 def killed(case: Path, folder: Path, moments: list[float], pictures: bool) -> list[str]:
     """Kills the run after so many seconds each, resumes it to its end; what went wrong, in words."""
     for moment in moments:
-        child = start(case, folder, pictures)
-        time.sleep(moment)
+        child, end = start(case, folder, pictures), time.monotonic() + moment
+        while time.monotonic() < end and not os.waitid(os.P_PID, child, os.WEXITED | os.WNOHANG | os.WNOWAIT):
+            time.sleep(0.005)
         os.kill(child, signal.SIGKILL)
         wait(child)
     if status := wait(start(case, folder)):
