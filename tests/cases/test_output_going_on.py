@@ -2,6 +2,8 @@
 
 import dataclasses
 import json
+import os
+import signal
 import subprocess
 import sys
 import textwrap
@@ -19,6 +21,8 @@ from houle.output import (
     Outputs,
     checkpoints,
     collect,
+    fields,
+    growing,
     load_newest,
     read_fields,
     read_manifest,
@@ -28,6 +32,7 @@ from houle.output import (
     summarise,
     write_manifest,
 )
+from houle.output.apart import apart
 
 
 @pytest.mark.parametrize("packed", [False, True])
@@ -212,3 +217,36 @@ def test_the_manifest_says_what_ran_where_and_how_it_went(tmp_path):
     assert build["compiler"] and "O" in build["flags"] and build["threads"] >= 1
     assert got["summary"]["steps"] == 10 and got["summary"]["volume_drift"] is None
     assert got["ended"] >= got["started"] and read_manifest(tmp_path) == got
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere HDF5 is trusted")
+def test_a_file_that_hdf5_does_not_come_through_is_damaged(tmp_path):
+    """It may take HDF5 for ever, or the process with it."""
+
+    def for_ever():
+        while True:
+            pass
+
+    file = tmp_path / "series.nc"
+    file.write_bytes(b"")
+    assert apart(lambda: "grüße", file) == "grüße"
+    for look in (for_ever, lambda: os.kill(os.getpid(), signal.SIGSEGV), lambda: 1 / 0):
+        begin = time.process_time()
+        assert apart(look, file) is None
+        assert time.process_time() - begin < 1.0  # of this process
+
+
+def test_resume_goes_on_without_a_file_that_hdf5_does_not_come_through(tmp_path, monkeypatch):
+    grid, case = made_grid(), made_case()
+    outputs = Outputs(tmp_path, case, grid)
+    write(outputs, grid, range(3), range(9))
+    outputs.close()
+    for module in (growing, fields):
+        monkeypatch.setattr(module, "apart", lambda look, path: None)
+    lost = Outputs(tmp_path, case, grid).truncate_after(0.2, 0.2, [0.0, 0.1, 0.2])
+    assert len(lost) == 3 and all("HDF5 does not come through it" in text and "are lost" in text for text in lost)
+    assert sorted(p.name for p in tmp_path.glob("*.damaged")) == [
+        "fields.vtkhdf.damaged",
+        "series.nc.damaged",
+        "surface.nc.damaged",
+    ]

@@ -24,6 +24,7 @@ import numpy as np
 from houle.errors import CaseError
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
+from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, OutputError, put_aside, remove, reported, told
 from houle.output.netcdf import Table
 from houle.output.surface import surface_table
@@ -37,10 +38,11 @@ from houle.output.vtkhdf import (
     compress,
     frames_in,
     read_values,
-    whole_frames,
+    which_are_whole,
 )
 
 NAME = "fields.vtkhdf"
+PACKED, INDEX = "packed", "index"  # what fields.vtkhdf is
 SHARE = 20.0  # of the time that fields.vtkhdf takes to write, until it is written again while the run goes on
 MOST = 64e6  # bytes of compressed frames in memory
 
@@ -119,14 +121,14 @@ class FieldsWriter:
 
     def _unpack(self) -> list[str]:
         """A packed file is the first part. Returns what is wrong with it; then it is put aside."""
-        try:
-            if not _is_packed(self.path):
-                return []
-        except DAMAGES as error:
+        found = apart(lambda: _look(self.path), self.path) if self.path.exists() else INDEX
+        if found == INDEX:
+            return []
+        if found != PACKED:
             if self.parts.exists():
                 return []  # an index, then; the frames are there
             put_aside(self.path)
-            return [f"is damaged ({told(error)})"]
+            return [found or NO_END]
         shutil.rmtree(self.parts, ignore_errors=True)
         with reported(self.parts):
             self.parts.mkdir()
@@ -157,11 +159,9 @@ class FieldsWriter:
         found, problems = [], []
         for path in _parts(self.parts):
             try:
-                part = whole_frames(path, self.grid, hashes)
-            except DAMAGES as error:
-                problems.append(f"is damaged ({told(error)})")
-                continue
-            found.append(part)
+                found.append(_whole(path, self.grid, hashes))
+            except ValueError as error:
+                problems.append(str(error))
         return _in_order(found), list(dict.fromkeys(problems))
 
 
@@ -264,11 +264,28 @@ def read_fields(directory: Path) -> FieldsReader:
     return FieldsReader(path, grid, np.array([frame.time for frame in stored]), tuple(stored))
 
 
-def _is_packed(path: Path) -> bool:
-    if not path.exists():
-        return False
-    with h5py.File(path) as file:
-        return bool(file.attrs.get("packed", False))
+def _look(path: Path) -> str:
+    """Whether a file is packed, or what is wrong with it."""
+    try:
+        with h5py.File(path) as file:
+            return PACKED if file.attrs["packed"] else INDEX
+    except DAMAGES as error:
+        return f"is damaged ({told(error)})"
+
+
+def _whole(path: Path, grid: Grid, hashes: Collection[str]) -> list[Stored]:
+    """The frames of a part that are whole. Raises ValueError, in words, where nothing of it can be relied on."""
+
+    def look() -> str:
+        try:
+            return "".join("01"[whole] for whole in which_are_whole(path, grid, hashes))
+        except DAMAGES as error:
+            return f"is damaged ({told(error)})"
+
+    found = apart(look, path)
+    if found is None or found.strip("01"):
+        raise ValueError(found or NO_END)
+    return [frame for frame, whole in zip(frames_in(path), found, strict=True) if whole == "1"]
 
 
 def _link(source: Path, target: Path) -> None:

@@ -21,6 +21,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, Sink, put_aside, remove, replacing, reported, told
 from houle.output.lock import TAKEN, lock
 from houle.output.netcdf import TIME, Table, Variable, append, fill, pieces, write
@@ -114,7 +115,7 @@ class Growing(ABC):
         """
         self._forget_hidden()
         self._fresh, self._behind, self._begun, self._grows = Rows(), Rows(), False, True
-        problem = self._problem(time, like, hashes)
+        problem = self._problem(like, hashes)
         if problem is not None:
             put_aside(self.path)
             return [f"{self.path.name} {problem}: its rows up to t = {time:.4g} s are lost"]
@@ -182,11 +183,16 @@ class Growing(ABC):
 
     # ---- what lies there -----------------------------------------------------------------------------------------
 
-    def _problem(self, time: float, like: Mapping[str, Any] | None, hashes: Collection[str]) -> str | None:
+    def _problem(self, like: Mapping[str, Any] | None, hashes: Collection[str]) -> str | None:
         """Why the file cannot be gone on with, None if it can."""
         if not self.path.exists():
             return "is not there"
         wanted = None if like is None else self.table_of(_as_columns(like))
+        found = apart(lambda: self._look(wanted, hashes), self.path)
+        return NO_END if found is None else found or None
+
+    def _look(self, wanted: Table | None, hashes: Collection[str]) -> str:
+        """Why the file cannot be gone on with, "" if it can."""
         try:
             with _opened(self.path) as source:
                 found = _table_in(source)
@@ -202,7 +208,7 @@ class Growing(ABC):
                         variable.values[piece]
         except DAMAGES as error:
             return f"is damaged ({told(error)})"
-        return None
+        return ""
 
 
 @contextlib.contextmanager

@@ -151,8 +151,8 @@ def frames_in(path: Path) -> list[Stored]:
         ]
 
 
-def whole_frames(path: Path, grid: Grid, hashes: Collection[str] = ()) -> list[Stored]:
-    """The frames of an assembled file on this grid that can be read from the first number to the last.
+def which_are_whole(path: Path, grid: Grid, hashes: Collection[str] = ()) -> list[bool]:
+    """Which frames of an assembled file on this grid can be read from the first number to the last.
 
     hashes: of the cases whose file it may be. Raises one of DAMAGES where nothing of the file can be relied on.
     """
@@ -164,7 +164,7 @@ def whole_frames(path: Path, grid: Grid, hashes: Collection[str] = ()) -> list[S
             _check_shape(file[name], name, grid, frames)
         if not np.all(np.diff([frame.time for frame in frames]) > 0):
             raise ValueError("its times do not increase")
-        return [frame for frame in frames if _is_whole(file, frame, grid)]
+        return [_is_whole(file, frame, grid) for frame in frames]
 
 
 def _check_shape(dataset: h5py.Dataset, name: str, grid: Grid, frames: Sequence[Stored]) -> None:
