@@ -46,7 +46,8 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
 // own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles where they are known already, else null.
 template <int D>
 inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& porosity, const double* own,
-                 const double* volume, const double* bulk, const Obstacles<D>& obstacles, double dt, double* x) {
+                 const double* volume, const double* bulk, const Interfaces<D>& media, const Obstacles<D>& obstacles,
+                 double dt, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
@@ -56,6 +57,12 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& poros
       Stencil<LinearKernel, D> st;
       st.set(g, at);
       if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
+      if (const Beside<LinearKernel, D> beside{st, stride, media, media.near(g, at), at}) {
+        const auto seen = beside.gather(u);
+        for (int a = 0; a < D; ++a) at[a] = from[a] + time * seen[a];
+        keep_inside(g, obstacles, from, at);
+        return;
+      }
       each_of<D>([&](auto a) { at[a] = from[a] + time * st.template gather<a>(stride[a], u[a]); });
       keep_inside(g, obstacles, from, at);
     };

@@ -17,7 +17,7 @@
 #include <stdexcept>
 
 #include "bind_array.hpp"
-#include "grid.hpp"
+#include "interfaces.hpp"
 
 namespace houle {
 
@@ -299,9 +299,9 @@ inline void apart(const A* a, index n, const char* name, const B* b, index m, co
 
 // ---- index tables ---------------------------------------------------------------------------------------------------
 
-// What the numbers of a table must be: each in [0, limit); from 0 to limit, none below the one before (where lists
+// What the numbers of a table must be: each in [0, limit); the same, or -1 for none; from 0 to limit, none below the one before (where lists
 // begin), or each above it (where lists begin that are not empty).
-enum class Table { numbers, starts, groups };
+enum class Table { numbers, some, starts, groups };
 
 // Whether this very table was found to be right before: true only for one that nobody can write to.
 bool known_table(const nb::handle& owner, const void* data, Table kind, index limit);
@@ -311,11 +311,12 @@ template <class T>
 inline void require_table(const View<T>& v, const char* name, Table kind, index limit) {
   if (v.read_only && known_table(v.owner, v.data, kind, limit)) return;
   bool wrong = false;
-  if (kind == Table::numbers) {
+  if (kind == Table::numbers || kind == Table::some) {
+    const std::remove_const_t<T> none = kind == Table::some ? -1 : 0;
     std::remove_const_t<T> least = 0, most = 0;
     for (index i = 0; i < v.size; ++i) least = std::min(least, v.data[i]), most = std::max(most, v.data[i]);
-    wrong = v.size > 0 && (least < 0 || most >= limit);
-    if (wrong) refuse(std::string(name) + " has numbers outside 0 to " + std::to_string(limit - 1));
+    wrong = v.size > 0 && (least < none || most >= std::max<index>(limit, none + 1));
+    if (wrong) refuse(std::string(name) + " has numbers outside " + std::to_string(none) + " to " + std::to_string(limit - 1));
   } else {
     wrong = v.size < 1 || v.data[0] != 0 || v.data[v.size - 1] != limit;
     const std::int64_t least = kind == Table::groups ? 1 : 0;
@@ -350,6 +351,22 @@ inline Listed listed_of(const Grid<D>& g, const ListedField& field, const char* 
 template <int D>
 inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const char* name) {
   return field ? listed_of(g, *field, name) : Listed{};
+}
+
+// number of each cell, list (K, D + 3), medium of the faces: houle.interfaces.Interfaces
+using OptionalInterfaces = std::optional<std::tuple<Numbers, Given, std::vector<Array<const std::int8_t>>>>;
+
+template <int D>
+inline Interfaces<D> interfaces_of(const Grid<D>& g, const OptionalInterfaces& interfaces) {
+  static_assert(sizeof(Interface<D>) == (D + 3) * sizeof(double));
+  if (!interfaces) return {};
+  const auto& [number, list, medium] = *interfaces;
+  const auto all = rows<Interface<D>>(list, "interfaces: list");
+  const auto v = number.view("interfaces: number");
+  if (!has_shape(v, g.shape.data(), D, g.cells()))
+    wrong_size(v, "interfaces: number", "the " + std::to_string(g.cells()) + " cells of the grid");
+  require_table(v, "interfaces: number", Table::some, all.n);
+  return {v.data, all.data, faces(g, medium, "interfaces: medium")};
 }
 
 // Where the particles of each cell begin, as cell_sort leaves it, for loops over slabs of columns: they read it at the

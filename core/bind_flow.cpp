@@ -47,10 +47,11 @@ static Resistance<D> resistance_of(const Grid<D>& g, const FaceNumbers& number, 
 
 template <int D>
 static Crossing<D> crossing_of(const Grid<D>& g, const FaceNumbers& number, const Given& table,
-                               const ListedField& contrast, const GivenMasks* held) {
+                               const ListedField& contrast, const GivenMasks* held,
+                               const OptionalInterfaces& interfaces = {}) {
   const auto materials = materials_of(table);
   return {numbers_of(g, number, materials.n, false), materials.data, listed_of(g, contrast, "contrast"),
-          held ? faces(g, *held, "held") : ConstFaces<D, std::uint8_t>()};
+          held ? faces(g, *held, "held") : ConstFaces<D, std::uint8_t>(), interfaces_of(g, interfaces)};
 }
 
 template <int D>
@@ -312,8 +313,9 @@ static void bind_motion(nb::module_& m) {
   define(
       m, "move",
       [](G g, Givens u, OptionalListed porosity, OptionalGiven own, OptionalGiven volume, OptionalGiven bulk,
-         Outline solids, Given gates, double dt, Field x, OptionalGiven paddles) {
+         Outline solids, Given gates, double dt, Field x, OptionalGiven paddles, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
+        const auto media = interfaces_of(g, interfaces);
         const Listed pores = listed_of(g, porosity, "porosity");
         const double *mine = entries(own, at.n * D, "own"), *v = entries(volume, at.n, "volume"),
                      *b = entries(bulk, at.n, "bulk");
@@ -321,11 +323,11 @@ static void bind_motion(nb::module_& m) {
         const auto uu = faces(g, u, "u");
         const auto obstacles = obstacles_of<D>(g, solids, gates, paddles);
         nb::gil_scoped_release release;
-        move<D>(g, at.n, uu, pores, mine, v, b, obstacles, dt, at.data);
+        move<D>(g, at.n, uu, pores, mine, v, b, media, obstacles, dt, at.data);
       },
       "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "volume"_a.none(), "bulk"_a.none(), "solids"_a.none(),
       "gates"_a, "dt"_a, "position"_a, "paddles"_a = nb::none(),
-      "Moves the particles with the pore velocity, midpoint rule.");
+      "interfaces"_a = nb::none(), "Moves the particles with the pore velocity, midpoint rule.");
   define(
       m, "travel",
       [](G g, double dt, Givens u, Givens mass, double least, OptionalListed porosity, std::vector<Array<float>> way) {
@@ -461,9 +463,9 @@ static void bind_crossing(nb::module_& m) {
   define(
       m, "sample_medium",
       [](G g, FaceNumbers number, Given table, ListedField contrast, ListedField porosity, Given x, Given volume,
-         Field bulk, Array<float> inertia) {
+         Field bulk, Array<float> inertia, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
-        const auto medium = crossing_of<D>(g, number, table, contrast, nullptr);
+        const auto medium = crossing_of<D>(g, number, table, contrast, nullptr, interfaces);
         const Listed pores = listed_of(g, porosity, "porosity");
         const double* v = entries(volume, at.n, "volume");
         double* b = entries(bulk, at.n, "bulk");
@@ -472,7 +474,7 @@ static void bind_crossing(nb::module_& m) {
         sample_medium<D>(g, at.n, medium, pores, at.data, v, b, J);
       },
       "grid"_a, "number"_a, "table"_a, "contrast"_a, "porosity"_a, "position"_a, "volume"_a, "bulk"_a, "inertia"_a,
-      "Bulk volume and inertia at the particles, linear from the cells and the faces.");
+      "interfaces"_a = nb::none(), "Bulk volume and inertia at the particles, linear from the cells and the faces.");
   define(
       m, "hold_faces",
       [](G g, GivenMask active, ListedField open, ListedField contrast, double most, std::vector<Mask> held) {
@@ -504,15 +506,16 @@ static void bind_crossing(nb::module_& m) {
   define(
       m, "settle",
       [](G g, FaceNumbers number, Given table, ListedField contrast, GivenMasks held, Givens velocity, Given x, Field u,
-         std::optional<Field> affine) {
+         std::optional<Field> affine, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
-        const auto medium = crossing_of<D>(g, number, table, contrast, &held);
+        const auto medium = crossing_of<D>(g, number, table, contrast, &held, interfaces);
         const auto v = faces(g, velocity, "velocity");
         double *uu = entries(u, at.n * D, "u"), *gradient = entries(affine, at.n * D * D, "affine");
         nb::gil_scoped_release release;
         settle<D>(g, at.n, medium, v, at.data, uu, gradient);
       },
       "grid"_a, "number"_a, "table"_a, "contrast"_a, "held"_a, "velocity"_a, "position"_a, "u"_a, "affine"_a.none(),
+      "interfaces"_a = nb::none(),
       "Velocities of particles that nothing holds, with no more energy than the faces around them have.");
 }
 

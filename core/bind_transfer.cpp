@@ -19,18 +19,19 @@ static void with_kernel(const std::string& name, F f) {
 // The particles of a transfer to the faces, which runs over slabs of columns.
 template <int D>
 static Cloud<D> sorted_cloud(const Grid<D>& g, const Given& x, const OptionalGiven& side, const Given& mass,
-                             const Numbers& start) {
+                             const Numbers& start, const OptionalInterfaces& media = {}) {
   const auto at = points<D>(x, "position");
-  return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"), slabs_of(g, start, at.n)};
+  return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"), slabs_of(g, start, at.n),
+          interfaces_of(g, media)};
 }
 
 // The particles, or points, of a transfer from the faces: it goes through them one by one, in any order.
 template <int D>
 static Cloud<D> cloud_of(const Grid<D>& g, const Given& x, const OptionalGiven& side, const Given& mass,
-                         const Numbers& start) {
+                         const Numbers& start, const OptionalInterfaces& media) {
   const auto at = points<D>(x, "position");
   return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"),
-          entries(start, g.cells() + 1, "start")};
+          entries(start, g.cells() + 1, "start"), interfaces_of(g, media)};
 }
 
 template <int D>
@@ -114,8 +115,8 @@ static void bind_faces(nb::module_& m) {
   define(
       m, "to_faces",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, OptionalGiven affine,
-         Fields velocity, Fields face_mass) {
-        const auto cloud = sorted_cloud<D>(g, x, side, mass, start);
+         Fields velocity, Fields face_mass, OptionalInterfaces media) {
+        const auto cloud = sorted_cloud<D>(g, x, side, mass, start, media);
         const double *uu = entries(u, cloud.n * D, "u"), *C = entries(affine, cloud.n * D * D, "affine");
         const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass");
         with_kernel(kernel, [&](auto k) {
@@ -124,12 +125,12 @@ static void bind_faces(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "affine"_a.none(), "velocity"_a,
-      "face_mass"_a, "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
+      "face_mass"_a, "interfaces"_a = nb::none(), "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
   define(
       m, "add_residual",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, Givens face_mass,
-         Fields velocity, Fields work) {
-        const auto cloud = sorted_cloud<D>(g, x, side, mass, start);
+         Fields velocity, Fields work, OptionalInterfaces media) {
+        const auto cloud = sorted_cloud<D>(g, x, side, mass, start, media);
         const double* uu = entries(u, cloud.n * D, "u");
         const auto fm = faces(g, face_mass, "face_mass");
         const auto v = faces(g, velocity, "velocity"), w = faces(g, work, "work");
@@ -139,12 +140,12 @@ static void bind_faces(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "face_mass"_a, "velocity"_a,
-      "work"_a, "One more term of the full-mass-matrix transfer FMPM(k).");
+      "work"_a, "interfaces"_a = nb::none(), "One more term of the full-mass-matrix transfer FMPM(k).");
   define(
       m, "to_particles",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens now, Givens change,
-         Givens drag, double flip, Field u) {
-        const auto cloud = cloud_of<D>(g, x, side, mass, start);
+         Givens drag, double flip, Field u, OptionalInterfaces media) {
+        const auto cloud = cloud_of<D>(g, x, side, mass, start, media);
         double* uu = entries(u, cloud.n * D, "u");
         const auto v = faces(g, now, "now"), dv = faces(g, change, "change", !(flip > 0.0)),
                    dr = faces(g, drag, "drag", !(flip > 0.0));
@@ -154,11 +155,12 @@ static void bind_faces(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "now"_a, "change"_a, "drag"_a, "flip"_a,
-      "u"_a, "Particle velocities from the faces: PIC (flip = 0) or a FLIP blend.");
+      "u"_a, "interfaces"_a = nb::none(), "Particle velocities from the faces: PIC (flip = 0) or a FLIP blend.");
   define(
       m, "affine_from",
-      [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens velocity, Field affine) {
-        const auto cloud = cloud_of<D>(g, x, side, mass, start);
+      [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens velocity, Field affine,
+         OptionalInterfaces media) {
+        const auto cloud = cloud_of<D>(g, x, side, mass, start, media);
         double* C = entries(affine, cloud.n * D * D, "affine");
         const auto v = faces(g, velocity, "velocity");
         with_kernel(kernel, [&](auto k) {
@@ -167,7 +169,7 @@ static void bind_faces(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "velocity"_a, "affine"_a,
-      "APIC's velocity gradient at the particles.");
+      "interfaces"_a = nb::none(), "APIC's velocity gradient at the particles.");
 }
 
 template <int D>

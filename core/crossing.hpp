@@ -17,9 +17,21 @@ struct Crossing {
   const Material* table;
   Listed contrast;                   // cells: by how much C_r/n^2 differs a few cells around; 1: not at all
   ConstFaces<D, std::uint8_t> held;  // faces: 1 where the Bernoulli force acts
+  Interfaces<D> media{};
 
   bool here(const Grid<D>& g, const double* x) const { return contrast[place_of<D>(g, x).cell] > 1.0; }
 };
+
+// visit(axis, face, weight) for the faces as the particle at x sees them.
+template <int D, class Visit>
+inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
+                      const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media, const double* x,
+                      Visit visit) {
+  if (const Beside<LinearKernel, D> beside{st, stride, media, media.near(g, x), x})
+    beside.each([&](auto a, index f, double w, double, const auto&) { visit(a, f, w); });
+  else
+    each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
+}
 
 // The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D) along each axis,
 // linear from its faces, so that to gather the particles' momentum on the faces makes no energy.
@@ -32,12 +44,10 @@ inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, 
     Stencil<LinearKernel, D> st;
     st.set(g, x + D * p);
     bulk[p] = volume[p] / st.template gather<-1>(cells, porosity);
-    each_of<D>([&](auto a) {
-      double sum = 0.0;
-      st.template each<a>(stride[a],
-                          [&](index f, double w, double) { sum += w * medium.table[medium.number[a][f]].inertia; });
-      inertia[D * p + a] = static_cast<float>(sum);
-    });
+    double sum[D] = {};
+    each_seen<D>(g, st, stride, medium.media, x + D * p,
+                 [&](auto a, index f, double w) { sum[a] += w * medium.table[medium.number[a][f]].inertia; });
+    for (int a = 0; a < D; ++a) inertia[D * p + a] = static_cast<float>(sum[a]);
   });
 }
 
@@ -140,19 +150,21 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
     if (!medium.here(g, x + D * p)) return;
     Stencil<LinearKernel, D> st;
     st.set(g, x + D * p);
+    double mean[D] = {}, inertia[D] = {}, energy[D] = {}, least[D], most[D] = {};
+    std::fill(least, least + D, 1e300);
+    each_seen<D>(g, st, stride, medium.media, x + D * p, [&](auto a, index f, double w) {
+      if (w == 0.0) return;
+      const double J = medium.table[medium.number[a][f]].inertia, v = velocity[a][f];
+      mean[a] += w * v;
+      inertia[a] += w * J;
+      energy[a] += w * J * v * v;
+      least[a] = std::min(least[a], J);
+      most[a] = std::max(most[a], J);
+    });
     each_of<D>([&](auto a) {
-      double mean = 0.0, inertia = 0.0, energy = 0.0, least = 1e300, most = 0.0;
-      st.template each<a>(stride[a], [&](index f, double w, double) {
-        const double J = medium.table[medium.number[a][f]].inertia, v = velocity[a][f];
-        mean += w * v;
-        inertia += w * J;
-        energy += w * J * v * v;
-        least = std::min(least, J);
-        most = std::max(most, J);
-      });
-      if (least == most) return;
-      const double share = held_share<a, D>(st, stride, medium.held), made = inertia * mean * mean;
-      u[D * p + a] = mean * (made > energy ? share + (1.0 - share) * std::sqrt(energy / made) : 1.0);
+      if (least[a] == most[a]) return;
+      const double share = held_share<a, D>(st, stride, medium.held), made = inertia[a] * mean[a] * mean[a];
+      u[D * p + a] = mean[a] * (made > energy[a] ? share + (1.0 - share) * std::sqrt(energy[a] / made) : 1.0);
       if (affine)
         for (int b = 0; b < D; ++b) affine[D * D * p + D * a + b] *= share;
     });

@@ -257,6 +257,24 @@ struct Stencil {
   }
 };
 
+struct Place {
+  index cell;   // the nearest, for a point outside the tank
+  bool inside;  // the tank, or no farther from it than it is long: outside is where a flow that blew up goes
+};
+
+template <int D>
+inline Place place_of(const Grid<D>& g, const double* x) {
+  Place place{0, true};
+  for (int a = 0; a < D; ++a) {
+    const double s = x[a] / g.h[a], n = static_cast<double>(g.shape[a]);
+    place.inside &= s >= -n && s <= 2.0 * n;  // not so for NaN
+    index i = floor_index(s);
+    i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
+    place.cell = place.cell * g.shape[a] + i;
+  }
+  return place;
+}
+
 // Strides of the face fields of all axes.
 template <int D>
 inline std::array<std::array<index, D>, D> face_strides(const Grid<D>& g) {

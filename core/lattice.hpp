@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels.hpp"
+#include "interfaces.hpp"
 
 namespace houle {
 
@@ -91,6 +91,23 @@ struct LatticeStencil {  // the 4^D nodes around a particle: per axis their plac
         reach[a][k] = (static_cast<double>(l.periodic[a] ? i : inside) - s) * l.h[a];
       }
     }
+  }
+  // The nodes behind an interface parallel to the grid are replaced by their mirror images in front of it, on the side
+  // of x; false if it is not parallel. A node lies behind where its centre does.
+  bool mirror(const Lattice<D>& l, const Interface<D>& interface, const double* x) {
+    const int a = interface.axis();
+    if (a < 0) return false;
+    const double place = interface.normal[a] * interface.offset / l.h[a];
+    const index first = static_cast<index>(std::ceil(place - 0.5 - 1e-6));  // node above it
+    const index own = static_cast<index>(l.scaled(a, x[a]));                // of the half cell of x
+    for (int k = 0; k < 4; ++k) {
+      const index i = static_cast<index>(std::floor(l.scaled(a, x[a]) - 0.5)) + k - 1;
+      if ((i < first) == (own < first)) continue;
+      const index image = 2 * first - 1 - i, inside = l.fold(a, image);
+      at[a][k] = inside * l.stride[a];
+      reach[a][k] = (static_cast<double>(l.periodic[a] ? image : inside) + 0.5) * l.h[a] - x[a];
+    }
+    return true;
   }
   template <class Visit>
   void each(Visit visit) const {  // visit(node, weight, k): k[a] is the place 0..3 of the node on axis a

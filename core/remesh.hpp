@@ -27,9 +27,17 @@ template <int D>
 struct Pores {              // of the half cells
   Listed cells;             // porosity at the cell centres, between which it is linear; null: 1
   const std::int8_t* body;  // of each half cell: negative in solids
+  Interfaces<D> media{};    // across which the velocity along them is not handed
 
   bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls
     return body[node] < 0 || node < l.begin * l.stride[0] || node >= l.end * l.stride[0];
+  }
+  const Interface<D>* near(const Lattice<D>& l, const double* x) const {  // nearest to the centre of the cell of x
+    if (!media.number) return nullptr;
+    index cell = 0;
+    for (int a = 0; a < D; ++a)
+      cell = cell * (l.shape[a] / 2) + std::min(static_cast<index>(l.scaled(a, x[a])) / 2, l.shape[a] / 2 - 1);
+    return media.in(cell);
   }
   double porosity(const Lattice<D>& l, index node) const {
     if (!cells) return 1.0;
@@ -133,6 +141,47 @@ constexpr double see = 0.5;      // weights a particle must see, else all goes t
 constexpr index far = 32;        // nodes from which a debt is paid, or a moment taken, at most
 }  // namespace remesh
 
+// What a particle beside an interface gives of its velocity along that, to the nodes of its own side only.
+template <int D>
+struct Aside {
+  const Interface<D>* at = nullptr;  // null: far from any
+  bool parallel = false;             // to the grid: the nodes across are replaced by their mirror images
+  LatticeStencil<D> nodes;
+
+  Aside(const Lattice<D>& l, const Pores<D>& pores, const LatticeStencil<D>& s, const double* x)
+      : at(pores.near(l, x)), nodes(s) {
+    if (at) parallel = nodes.mirror(l, *at, x);
+  }
+  bool has(const double* x, const int* k) const {
+    double node[D];
+    for (int a = 0; a < D; ++a) node[a] = x[a] + nodes.reach[a][k[a]];
+    return parallel || at->beyond(node) == at->beyond(x);
+  }
+};
+
+// Takes the momentum along the interface from what a particle has to give, and gives it to its side, if that sees it.
+template <int D, class Room>
+inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, const double* x, Gathered<D>& g, Room room,
+                       Gathered<D>* nodes) {
+  const std::int32_t* number = receivers.number.data();
+  double sum = 0, all = 0;
+  aside.nodes.each([&](index node, double w, const int* k) {
+    if (number[node] < 0) return;
+    all += std::abs(w) * room(node);
+    if (aside.has(x, k)) sum += w * room(node);
+  });
+  if (!(sum > remesh::weigh * all)) return;
+  double along[D];
+  for (int a = 0; a < D; ++a) {
+    along[a] = aside.at->across(a) ? 0.0 : g.momentum[a];
+    g.momentum[a] -= along[a];
+  }
+  aside.nodes.each([&](index node, double w, const int* k) {
+    if (number[node] < 0 || !aside.has(x, k)) return;
+    for (int a = 0; a < D; ++a) nodes[number[node]].momentum[a] += w * room(node) / sum * along[a];
+  });
+}
+
 // Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is.
 // Where the porosity varies among them they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay
 // full. A particle among nodes that differ so much that the negative lobes of M4' outweigh the rest gives to one.
@@ -151,8 +200,9 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   const auto room = [=](index node) { return porosity ? porosity[number[node]] : 1.0; };
   const double own = sees(home) ? room(home) : pores.porosity(l, home);
   bool all = true;
+  const Aside<D> aside(l, pores, s, x);
   s.each([&](index node, double, const int*) { all = all && sees(node) && room(node) == own; });
-  if (all) {
+  if (all && !aside.at) {
     for (int a = 0; a < D; ++a)
       for (int k = 0; k < 4; ++k) g.moment[a] -= g.volume * s.w[a][k] * s.reach[a][k];
     s.each([=](index node, double w, const int*) { nodes[number[node]].take(w, g); });
@@ -180,6 +230,7 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   });
   if (seen > remesh::see && sum > remesh::weigh * seen * own) {
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
+    if (aside.at) give_along(receivers, aside, x, g, room, nodes);
     s.each([=](index node, double w, const int*) {
       if (sees(node)) nodes[number[node]].take(w * room(node) / sum, g);
     });

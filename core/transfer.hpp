@@ -4,27 +4,9 @@
 // so that no two slabs of one colour reach the same node: the order of every sum is fixed, whatever the threads.
 #pragma once
 
-#include "kernels.hpp"
+#include "interfaces.hpp"
 
 namespace houle {
-
-struct Place {
-  index cell;   // the nearest, for a point outside the tank
-  bool inside;  // the tank, or no farther from it than it is long: outside is where a flow that blew up goes
-};
-
-template <int D>
-inline Place place_of(const Grid<D>& g, const double* x) {
-  Place place{0, true};
-  for (int a = 0; a < D; ++a) {
-    const double s = x[a] / g.h[a], n = static_cast<double>(g.shape[a]);
-    place.inside &= s >= -n && s <= 2.0 * n;  // not so for NaN
-    index i = floor_index(s);
-    i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
-    place.cell = place.cell * g.shape[a] + i;
-  }
-  return place;
-}
 
 // Stable sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell. cell (n,)
 // is work space. Returns the number of the first particle that is far outside the tank or nowhere: -1, none.
@@ -172,8 +154,37 @@ struct Cloud {
   const double* side;
   const double* mass;
   const std::int32_t* start;
+  Interfaces<D> media;
   double edge(index p) const { return side ? side[p] : 0.0; }
 };
+
+// The centre (D, D) of the faces of each axis, as a particle beside an interface sees them, from the particle [m].
+template <class K, int D>
+inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, const Stencil<K, D>& st,
+                                                            const Beside<K, D>& beside) {
+  std::array<std::array<double, D>, D> centre{};
+  beside.each([&](auto a, index, double w, double, const auto& k) {
+    const auto r = st.template distance<a>(g, k);
+    for (int b = 0; b < D; ++b) centre[a][b] += w * r[b];
+  });
+  return centre;
+}
+
+// What a particle beside an interface gives to the masses and momenta of the faces; affine (D, D) or null.
+template <class K, int D>
+inline void give_beside(const Grid<D>& g, const Stencil<K, D>& st, const Beside<K, D>& beside, double m,
+                        const double* u, const double* affine, const Faces<D>& mass, const Faces<D>& momentum) {
+  const auto centre = affine ? centre_of_faces(g, st, beside) : std::array<std::array<double, D>, D>{};
+  beside.each([&](auto a, index f, double w, double sign, const auto& k) {
+    double value = u[a];
+    if (affine) {
+      const auto r = st.template distance<a>(g, k);
+      for (int b = 0; b < D; ++b) value += affine[D * a + b] * (r[b] - centre[a][b]);
+    }
+    mass[a][f] += m * w;
+    momentum[a][f] += m * w * sign * value;
+  });
+}
 
 // Mass-weighted mean velocity of the faces, (1/m_f) sum_p m_p w_fp u_p, and the face masses m_f = sum_p m_p w_fp [m^d].
 // affine (n, D, D) or null: APIC's velocity gradient, u_p + C_p (x_f - x_p). Faces without mass get 0.
@@ -189,6 +200,10 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
     for (index p = begin; p < end; ++p) {
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
+      if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+        give_beside(g, st, beside, cloud.mass[p], u + D * p, affine ? affine + D * D * p : nullptr, mass, velocity);
+        continue;
+      }
       each_of<D>([&](auto a) {
         double *m = mass[a], *v = velocity[a];
         const double up = u[D * p + a], scale = cloud.mass[p] / st.template total<a>();
@@ -234,6 +249,14 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
     for (index p = begin; p < end; ++p) {
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
+      if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+        const auto seen = beside.gather(velocity);
+        const double m = cloud.mass[p];
+        beside.each([&](auto a, index f, double w, double sign, const auto&) {
+          work[a][f] += w * sign * m * (u[D * p + a] - seen[a]);
+        });
+        continue;
+      }
       each_of<D>([&](auto a) {
         double* r = work[a];
         const double lacking = u[D * p + a] - st.template gather<a>(stride[a], velocity[a]);
@@ -260,6 +283,17 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
   parallel_for(cloud.n, [=](index p) {
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
+    if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+      const auto value = beside.gather(now);
+      std::array<double, D> kept{};  // of the old velocity, where the implicit resistance has scaled it
+      if (flip > 0.0) {
+        const auto added = beside.gather(change);
+        beside.each([&](auto a, index f, double w, double, const auto&) { kept[a] += w * drag[a][f]; });
+        for (int a = 0; a < D; ++a) kept[a] = kept[a] * u[D * p + a] + added[a];
+      }
+      for (int a = 0; a < D; ++a) u[D * p + a] = flip * kept[a] + (1.0 - flip) * value[a];
+      return;
+    }
     each_of<D>([&](auto a) {
       double& up = u[D * p + a];
       const double value = st.template gather<a>(stride[a], now[a]);
@@ -275,6 +309,27 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
   });
 }
 
+// APIC's velocity gradient of a particle beside an interface (D, D): that of the faces as it sees them, about their
+// centre and their mean.
+template <class K, int D>
+inline void affine_beside(const Grid<D>& g, const Stencil<K, D>& st, const Beside<K, D>& beside, ConstFaces<D> velocity,
+                          double* affine) {
+  const auto mean = beside.gather(velocity);
+  const auto centre = centre_of_faces(g, st, beside);
+  double first[D][D] = {}, second[D][D] = {};
+  beside.each([&](auto a, index f, double w, double sign, const auto& k) {
+    const auto r = st.template distance<a>(g, k);
+    for (int b = 0; b < D; ++b) {
+      const double from = r[b] - centre[a][b];
+      first[a][b] += w * (sign * velocity[a][f] - mean[a]) * from;
+      second[a][b] += w * from * from;
+    }
+  });
+  for (int a = 0; a < D; ++a)
+    for (int b = 0; b < D; ++b)
+      affine[D * a + b] = second[a][b] > 1e-10 * g.h[b] * g.h[b] ? first[a][b] / second[a][b] : 0.0;
+}
+
 // APIC's velocity gradient (n, D, D), row a: C_ab = sum_f w u_f (x_f - x_p)_b / sum_f w (x_f - x_p)_b^2 (Jiang 2015).
 template <class K, int D>
 inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
@@ -282,6 +337,10 @@ inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> v
   parallel_for(cloud.n, [=](index p) {
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
+    if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+      affine_beside(g, st, beside, velocity, affine + D * D * p);
+      return;
+    }
     each_of<D>([&](auto a) {
       double first[D] = {}, second[D] = {};
       st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {

@@ -16,6 +16,7 @@ CORE = ROOT / "core"
 LAYERS = (
     {"_core", "errors"},
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table", "history"}
+    | {"interfaces"}
     | {"case_errors", "case_files"},
     {"resistance", "solids", "porous", "seeding", "columns", "room", "crest", "remesh", "viscosity", "workspace"}
     | {"tables", "waves", "sides"},

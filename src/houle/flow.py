@@ -198,7 +198,8 @@ class Flow:
         p, core = self.particles, self.grid.core
         if self.porous:
             porosity = self.medium.listed("particle_porosity")
-            _core.sample_medium(core, *self.crossing, porosity, p.position, p.volume, self._bulk, self.inertia)
+            particles = (p.position, p.volume, self._bulk, self.inertia)
+            _core.sample_medium(core, *self.crossing, porosity, *particles, self.medium.interfaces)
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 

@@ -249,7 +249,8 @@ def settle(flow: Flow, transfer: Transfer) -> None:
     """Near porous faces where no pressure holds the water: particles take no more energy than the grid has there."""
     if flow.porous:
         p, affine = flow.particles, transfer.arrays.get("affine")
-        _core.settle(flow.grid.core, *flow.crossing, flow.held, flow.velocity, p.position, p.velocity, affine)
+        medium, state = (*flow.crossing, flow.held), (flow.velocity, p.position, p.velocity, affine)
+        _core.settle(flow.grid.core, *medium, *state, flow.medium.interfaces)
 
 
 @contextmanager
@@ -280,7 +281,7 @@ def _move(flow: Flow, dt: float) -> None:
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
-        flow.medium.outline, flow.gates, dt, p.position, flow.walls,
+        flow.medium.outline, flow.gates, dt, p.position, flow.walls, flow.medium.interfaces,
     )  # fmt: skip
     _book_crossings(flow, before)
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
 from houle.grid import Faces, FloatArray, Grid, SingleFaces, fixed, widened
+from houle.interfaces import Interfaces, stand_along
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
 
@@ -64,6 +65,7 @@ class Medium:
                           water, -1 in a solid
     outline        of the solids, for particles near them; None without solids
     closed_faces   of each axis, those in solids near the water; none without solids
+    interfaces     between the media; None where there is one
     """
 
     grid: Grid
@@ -77,6 +79,7 @@ class Medium:
     body: NDArray[np.int8]
     outline: Outline | None
     closed_faces: list[ClosedFaces]
+    interfaces: Interfaces | None
 
     @classmethod
     def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
@@ -93,15 +96,18 @@ class Medium:
         factor = cells.of([c / n for c, n in zip(inertias, porosities, strict=True)], 1.0) / cells.of(porosities, 1.0)
         energy, coefficient = (_extend(field, open_cells, grid.periodic) for field in (factor, cells.of(inertias, 1.0)))
         contrast = _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
+        open_faces = _open_faces(grid, open_cells, sections)
+        outline = Outline.of(grid, solids)
+        body = _index_bodies(grid, parts)
+        interfaces = Interfaces.of(grid, parts, bodies, body)
         material, materials = _list_materials(grid, bodies, solid, inside)
+        material, materials = stand_along(grid, parts, bodies, interfaces, material, materials)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
         names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast")
         kind, kinds = _listed([porosity, particle_porosity, open_cells, energy, coefficient, contrast])
-        open_faces = _open_faces(grid, open_cells, sections)
-        outline = Outline.of(grid, solids)
         return cls(
             grid=grid,
             bodies=tuple(bodies),
@@ -111,9 +117,10 @@ class Medium:
             open_faces=open_faces,
             material=[fixed(number) for number in material],
             materials=materials,
-            body=_index_bodies(grid, parts),
+            body=body,
             outline=outline,
             closed_faces=closed_faces(grid, outline, open_cells, open_faces) if outline else [],
+            interfaces=interfaces,
         )
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:

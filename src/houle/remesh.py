@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from houle import _core
 from houle.errors import SimulationError
 from houle.grid import FloatArray, Grid
+from houle.interfaces import Interfaces
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.solids import Outline
@@ -55,17 +56,18 @@ class Conservative:
     porosity: tuple[NDArray[np.int32], FloatArray] | None
     body: NDArray[np.int8]
     outline: Outline | None = None
+    interfaces: Interfaces | None = None
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Conservative:
         porosity = medium.listed("particle_porosity") if medium.bodies else None
-        return cls(grid, porosity, medium.body, medium.outline)
+        return cls(grid, porosity, medium.body, medium.outline, medium.interfaces)
 
     def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
         pores = (self.porosity, self.body, self.outline)
-        new = _made_anew(_core.remesh_conservative, self.grid.core, *pores, *arrays, *between)
+        new = _made_anew(_core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces)
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(

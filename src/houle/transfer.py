@@ -43,10 +43,13 @@ class Pic:
         self.arrays: dict[str, FloatArray] = {}
 
     def to_grid(self, flow: Flow) -> None:
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.work.face_mass)
+        _core.to_faces(
+            *_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.work.face_mass, flow.medium.interfaces
+        )
 
     def to_particles(self, flow: Flow) -> None:
-        _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, flow.particles.velocity)
+        velocity = flow.particles.velocity
+        _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, velocity, flow.medium.interfaces)
         flow.interpolated = flow.kernel == "linear"
 
     def renew(self, flow: Flow) -> None:
@@ -67,14 +70,14 @@ class Fmpm(Pic):
 
     def to_grid(self, flow: Flow) -> None:
         p = flow.particles
-        if flow.kernel == "linear":
+        if flow.kernel == "linear" and flow.medium.interfaces is None:
             spaces = (flow.velocity, flow.work.face_mass, flow.old_velocity, flow.work.store)
             flow.work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *spaces)
             return
         super().to_grid(flow)
         for _ in range(1, self.order):
             faces = (flow.work.face_mass, flow.velocity, flow.old_velocity)
-            _core.add_residual(*_cloud(flow), p.velocity, *faces)
+            _core.add_residual(*_cloud(flow), p.velocity, *faces, flow.medium.interfaces)
 
 
 class Flip(Pic):
@@ -90,7 +93,13 @@ class Flip(Pic):
 
     def to_particles(self, flow: Flow) -> None:
         _core.to_particles(
-            *_cloud(flow), flow.velocity, flow.velocity_change(), flow.drag, self.share, flow.particles.velocity
+            *_cloud(flow),
+            flow.velocity,
+            flow.velocity_change(),
+            flow.drag,
+            self.share,
+            flow.particles.velocity,
+            flow.medium.interfaces,
         )
         flow.interpolated = False
 
@@ -103,17 +112,17 @@ class Apic(Pic):
         if "affine" not in self.arrays:
             self.arrays["affine"] = np.zeros((n, d, d))
         faces = (flow.velocity, flow.work.face_mass)
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], *faces)
+        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], *faces, flow.medium.interfaces)
 
     def to_particles(self, flow: Flow) -> None:
         super().to_particles(flow)
-        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"])
+        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.medium.interfaces)
 
     def renew(self, flow: Flow) -> None:
         """New particles take the velocity gradient of the grid: without it remeshing would be PIC."""
         n, d = flow.particles.position.shape
         self.arrays["affine"] = np.zeros((n, d, d))
-        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"])
+        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.medium.interfaces)
 
 
 def make(name: str, *, flip: float, order: int) -> Transfer:

@@ -112,3 +112,23 @@ def test_impossible_blocks_are_refused():
         theory.porous_block(4.0, DEPTH, WIDTH, 85.0, 1.0)
     with pytest.raises(AnalysisError, match="width = 0"):
         theory.porous_block(4.0, DEPTH, 0.0, 0.85, 1.0)
+
+
+@pytest.mark.parametrize("wall", [False, True])
+def test_a_block_of_any_friction_and_width_has_a_reflection(wall):
+    """From 1e2 to 1e12, in the end that of a wall; memory does not grow (a matrix of 1.2 TiB was asked for)."""
+    omega = 2 * np.pi / 0.969152
+    for width in (1e-6, 0.225, 1000.0):
+        reflected = [
+            theory.porous_block(omega, 0.45, width, 0.45, f, wall=wall).C_R
+            for f in (1e3, 1e4, 1e5, 1e6, 1e8, 1e10, 1e12)
+        ]
+        assert np.all(np.diff(reflected) > -1e-9) and np.all(np.array(reflected) <= 1.0 + 1e-9)
+        assert reflected[-1] > 0.999
+    assert pytest.approx(1.0, abs=1e-4) == theory.porous_block(omega, 0.45, 0.225, 0.45, 1e6, wall=wall).C_R
+
+
+@pytest.mark.parametrize(("a", "b"), [(1e6, 0.0), (1e12, 0.0), (0.0, 1e12), (1e12, 1e12)])
+def test_lorentz_settles_for_any_drag(a, b):
+    found = theory.porous_block_lorentz(6.48, 0.45, 0.225, 0.45, 0.01, a, b)
+    assert found.C_R > 0.999 and found.C_T < 1e-4

@@ -1,0 +1,103 @@
+// Where porous bodies and clear water meet, as particles and faces near to an interface know it.
+//
+// Across an interface the Darcy velocity is continuous. Along it, it is not: drag, inertia and porosity differ. So a
+// particle sees the faces of its own side only, with their weights divided by their sum; but the component across an
+// interface that is parallel to the faces of that axis, which is known on the interface itself, it sees as everywhere.
+// What it gives to the faces has the same weights. They sum to 1, so momentum is conserved and uniform flow is kept;
+// and as near a wall of the tank, the velocity is constant over the last half cell. See docs/decisions/0017.
+#pragma once
+
+#include "kernels.hpp"
+
+namespace houle {
+
+// The interface nearest to the centre of a cell, as a plane, and the media on both of its sides.
+template <int D>
+struct Interface {
+  double normal[D];
+  double offset;        // normal . x on it [m]
+  double below, above;  // medium where normal . x is less, and more
+
+  bool beyond(const double* x) const {
+    double s = -offset;
+    for (int a = 0; a < D; ++a) s += normal[a] * x[a];
+    return s >= 0.0;
+  }
+  int axis() const {  // to which it is parallel, -1: none
+    for (int a = 0; a < D; ++a)
+      if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
+    return -1;
+  }
+  // Whether it is parallel, or nearly, to the faces of that axis.
+  bool across(int a) const { return normal[a] * normal[a] > 0.99; }
+};
+
+template <int D>
+struct Interfaces {
+  const std::int32_t* number = nullptr;  // cells: of the interface in the list, -1 far from any; null: there are none
+  const Interface<D>* list = nullptr;
+  ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
+
+  const Interface<D>* near(const Grid<D>& g, const double* x) const { return number ? in(place_of<D>(g, x).cell) : nullptr; }
+  const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
+};
+
+// A particle beside an interface: how it sees the faces.
+template <class K, int D>
+class Beside {
+ public:
+  // at may be null: the particle is far from any interface.
+  Beside(const Stencil<K, D>& stencil, const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media,
+         const Interface<D>* at, const double* x)
+      : stencil_(stencil), stride_(stride), media_(media), at_(at) {
+    if (!at) return;
+    medium_ = static_cast<signed char>(at->beyond(x) ? at->above : at->below);
+    each_of<D>([&](auto a) {
+      double all = 0.0, own = 0.0;
+      stencil.template each<a>(stride[a], [&](index f, double w, double) {
+        all += w;
+        own += is_own(a, f) ? w : 0.0;
+      });
+      total_[a] = 1.0 / all;
+      own_[a] = !at->across(a) && own > least * all ? 1.0 / own : 0.0;
+      cut_ = cut_ || (own != all && own_[a] > 0.0);
+    });
+  }
+
+  explicit operator bool() const { return cut_; }  // whether it sees less than all faces around
+
+  // visit(axis, face, weight, sign of the mirrored normal component, offsets)
+  template <class Visit>
+  void each(Visit visit) const {
+    each_of<D>([&](auto a) {
+      const bool all = own_[a] == 0.0;
+      const double share = all ? total_[a] : own_[a];
+      stencil_.template each<a>(stride_[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+        if (all || is_own(a, f)) visit(a, f, w * share, sign, k);
+      });
+    });
+  }
+
+  template <class Field>
+  std::array<double, D> gather(const Field& v) const {
+    std::array<double, D> value{};
+    each([&](auto a, index f, double w, double sign, const auto&) { value[a] += w * sign * v[a][f]; });
+    return value;
+  }
+
+ private:
+  static constexpr double least =
+      0.01;  // of the weights of an axis that must be on its side; else there is nothing to choose from
+
+  const Stencil<K, D>& stencil_;
+  const std::array<std::array<index, D>, D>& stride_;
+  const Interfaces<D>& media_;
+  const Interface<D>* at_;
+  signed char medium_ = 0;
+  bool cut_ = false;
+  double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
+
+  bool is_own(int a, index f) const { return media_.medium[a][f] == medium_ || media_.medium[a][f] < 0; }
+};
+
+}  // namespace houle

@@ -1,0 +1,255 @@
+"""Where media meet, for the transfers between particles and grid: along an interface velocities are not continuous.
+
+Media are told apart by what they do to the water: porosity, inertia and resistance. Bodies that share these are one
+medium, and a body that does nothing is clear water. A cell near an interface knows it as a plane: the edge of the
+section nearest to its centre, in 3D also the end of a layer in y.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.affinity import affine_transform
+
+from houle.geometry import Span, covers, polygons
+from houle.grid import FloatArray, Grid, widened
+
+if TYPE_CHECKING:
+    from houle.porous import Part, PorousBody
+
+REACH = 2  # cells from which particles and faces still see each other across an interface
+ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across
+PARALLEL = 1e-9  # 1 - |n_a| of an interface that is parallel to the grid
+ON_LINE = 1e-6  # [spacings] what is nearer to an interface lies on it
+ASIDE = 1e-3  # [spacings] from an interface: what lies on which side of it
+SOLID = -1
+
+
+class Interfaces(NamedTuple):
+    """The interfaces as the core takes them.
+
+    number  cells  int32: of the row of `planes` nearest to the centre; -1 where none is within `REACH`
+    planes  (K, d + 3) unit normal, its product with a point on the plane [m], and the medium where it is less, and more
+    medium  faces  int8: number of the medium at the centre, 0 clear water, -1 in a solid; on an interface the one that
+            resists less
+    """
+
+    number: NDArray[np.int32]
+    planes: FloatArray
+    medium: list[NDArray[np.int8]]
+
+    @classmethod
+    def of(
+        cls, grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], body: NDArray[np.int8]
+    ) -> Interfaces | None:
+        """None where the tank holds one medium. body: `Medium.body`."""
+        media, _ = number_media(bodies)
+        sections = [_Section.of(grid, part, media) for part in parts]
+        near = _near(grid, np.array([0, *media, SOLID], np.int8)[body]) if media.any() else np.zeros(grid.shape, bool)
+        cell = np.argwhere(near)
+        planes = _planes(grid, sections, (cell + 0.5) * np.array(grid.spacing))
+        kept = (planes[:, -1] != planes[:, -2]) & (planes[:, -2:] != SOLID).all(axis=1)
+        if not kept.any():
+            return None
+        on_it = ON_LINE * min(grid.spacing)  # what lies on an interface is in the medium that resists less
+        planes[:, -3] += np.where(planes[:, -2] < planes[:, -1], on_it, -on_it)
+        number = np.full(grid.shape, -1, np.int32)
+        number[tuple(cell[kept].T)] = np.arange(np.count_nonzero(kept))
+        planes = planes[kept]
+        _snap(grid, planes)
+        medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
+        return cls(number, np.ascontiguousarray(planes), medium)
+
+
+Kind = tuple[float, float, float, float]  # a, b, n, C_r of a medium
+
+
+def number_media(bodies: Sequence[PorousBody]) -> tuple[NDArray[np.int8], list[Kind]]:
+    """Of each body the number of its medium, those that resist more later; a, b, n and C_r of each medium."""
+    clear, kinds = (0.0, 0.0, 1.0, 1.0), [(b.a, b.b, b.porosity, b.inertia) for b in bodies]
+    media = sorted({clear, *kinds}, key=lambda m: (m != clear, m[0], m[1], -m[2], m[3]))
+    return np.array([media.index(kind) for kind in kinds], np.int8), media
+
+
+class _Section(NamedTuple):
+    """One layer in y: the areas of its media, those that resist less first, and the edges between them."""
+
+    span: Span
+    areas: list[tuple[int, shapely.Geometry]]  # wider by `ON_LINE` than they are
+    inside: shapely.Geometry  # all of them together, and narrower than they are
+    edge: FloatArray  # (E, 2, 2) ends [m]
+
+    @classmethod
+    def of(cls, grid: Grid, part: Part, media: NDArray[np.int8]) -> _Section:
+        span, solid, bodies = part
+        areas = []
+        for medium in np.unique(media[media > 0]):
+            same = [area for area, m in zip(bodies, media, strict=True) if m == medium]
+            areas.append((int(medium), shapely.union_all(same)))
+        areas.append((SOLID, solid))
+        areas = [(medium, _repeated(grid, area)) for medium, area in areas if not area.is_empty]
+        edges = [_edges(grid, area, solid) for medium, area in areas if medium != SOLID]
+        on_line = ON_LINE * min(grid.spacing)
+        inside = shapely.buffer(shapely.union_all([area for _, area in areas]), -on_line, join_style="mitre")
+        wide = [(medium, shapely.buffer(area, on_line, join_style="mitre")) for medium, area in areas]
+        return cls(span, wide, inside, np.concatenate([np.empty((0, 2, 2)), *edges]))
+
+    def medium_at(self, x: FloatArray, z: FloatArray) -> NDArray[np.int8]:
+        """At points; on an interface the medium that resists less."""
+        found = np.zeros(np.shape(x), np.int8)
+        if self.areas:
+            inside = covers(self.inside, x, z)
+            for medium, area in reversed(self.areas):
+                found[inside & covers(area, x, z)] = medium
+        return found
+
+    def nearest(self, x: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Of points (N,), the distance to the nearest edge, and its unit normal and nearest point (N, 2, 2)."""
+        if len(self.edge) == 0:
+            return np.full(len(x), np.inf), np.zeros((len(x), 2, 2))
+        tree = shapely.STRtree(shapely.linestrings(self.edge))
+        points = shapely.points(x, z)
+        found, which = tree.query_nearest(points, all_matches=False)
+        edge = np.empty((len(x), 2, 2))
+        edge[found] = self.edge[which]
+        along, start = edge[:, 1] - edge[:, 0], edge[:, 0]
+        at = np.stack([x, z], axis=1)
+        share = np.clip(np.sum((at - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
+        foot = start + share[:, None] * along
+        way = at - foot
+        distance = np.linalg.norm(way, axis=1)
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+        corner = (share == 0.0) | (share == 1.0)
+        round_it = corner & (distance > 1e-6 * np.abs(np.sum(way * across, axis=1)) + 1e-12)
+        normal = np.where(round_it[:, None], way / np.maximum(distance, 1e-300)[:, None], across)
+        return distance, np.stack([normal, foot], axis=1)
+
+
+def _repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
+    """The area, which goes on across the sides of the tank: as it is there, or around a periodic axis."""
+    for axis, columns in ((0, 0), (-1, 1)):
+        size, sign, shift = grid.size[axis], np.ones(2), np.zeros(2)
+        copies = [area]
+        for step in (-1.0, 1.0):  # mirrored at 0 and at the size, or moved by a size
+            sign[columns] = 1.0 if grid.periodic[axis] else -1.0
+            shift[columns] = step * size if grid.periodic[axis] else (1.0 + step) * size
+            copies.append(affine_transform(area, [sign[0], 0.0, 0.0, sign[1], *shift]))
+        area = shapely.union_all(copies)
+    return shapely.multipolygons(polygons(area))
+
+
+def _edges(grid: Grid, area: shapely.Geometry, solid: shapely.Geometry) -> FloatArray:
+    """Those of the area (E, 2, 2) within `REACH` of the tank that are not the outline of the solids [m]."""
+    reach = REACH * max(grid.spacing)
+    window = shapely.box(-reach, -reach, grid.size[0] + reach, grid.size[-1] + reach)
+    outline = shapely.intersection(shapely.boundary(area), window)
+    outline = shapely.difference(outline, shapely.buffer(solid, ON_LINE * min(grid.spacing)))
+    lines = shapely.get_parts(shapely.line_merge(outline))
+    found = [np.empty((0, 2, 2))]
+    for line in lines:
+        points = shapely.get_coordinates(line)
+        found.append(np.stack([points[:-1], points[1:]], axis=1))
+    return np.concatenate(found)
+
+
+def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
+    """Cells within `REACH` of which the half cells, whose media these are, differ."""
+    low = high = medium
+    for axis in range(grid.dimension):
+        low = np.minimum(np.delete(low, np.s_[1::2], axis), np.delete(low, np.s_[0::2], axis))
+        high = np.maximum(np.delete(high, np.s_[1::2], axis), np.delete(high, np.s_[0::2], axis))
+    for axis, _ in itertools.product(range(grid.dimension), range(REACH)):
+        around = []
+        for field, choose in ((low, np.minimum), (high, np.maximum)):
+            wide = widened(field, axis, grid.periodic[axis])
+            around.append(np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, axis))
+        low, high = around
+    return low != high
+
+
+def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> FloatArray:
+    """`Interfaces.planes` nearest to points (N, d); the two media are equal where there is none."""
+    d, aside = grid.dimension, ASIDE * min(grid.spacing)
+    planes = np.zeros((len(centre), d + 3))
+    nearest = np.full(len(centre), np.inf)
+    x, z = centre[:, 0], centre[:, -1]
+    for section in sections:
+        here = np.flatnonzero((centre[:, 1] >= section.span[0]) & (centre[:, 1] < section.span[1]) | (d == 2))
+        nearest[here], at = section.nearest(x[here], z[here])
+        normal, foot = at[:, 0], at[:, 1]
+        planes[here, 0], planes[here, d - 1] = normal.T
+        planes[here, d] = np.sum(normal * foot, axis=1)
+        for column, sign in ((d + 1, -1.0), (d + 2, 1.0)):
+            planes[here, column] = section.medium_at(*(foot + sign * aside * normal).T)
+    for low, high in itertools.pairwise(sections):
+        end, below, above = low.span[1], low.medium_at(x, z), high.medium_at(x, z)
+        across = (below != above) & (np.abs(centre[:, 1] - end) < nearest)
+        nearest[across] = np.abs(centre[across, 1] - end)
+        planes[across] = [0.0, 1.0, 0.0, end, 0.0, 0.0]
+        planes[across, -2], planes[across, -1] = below[across], above[across]
+    return planes
+
+
+def _snap(grid: Grid, planes: FloatArray) -> None:
+    """Moves interfaces that are parallel to the grid, in place, to where the centres of cells change their medium.
+
+    The faces along it have one velocity each. So the water that shares a face moves with it, and no more than that.
+    """
+    d = grid.dimension
+    low, high = planes[:, -2], planes[:, -1]
+    for axis, h in enumerate(grid.spacing):
+        sign = planes[:, axis]
+        aligned = np.abs(sign) > 1.0 - PARALLEL
+        place = sign * planes[:, d] / h
+        upwards = np.where(sign > 0.0, high < low, low < high)  # the medium at larger x is the more mobile one
+        line = np.where(upwards, np.ceil(place - 0.5 - ON_LINE), np.floor(place + 0.5 + ON_LINE))
+        planes[:, d] = np.where(aligned, sign * line * h, planes[:, d])
+
+
+def _on_faces(grid: Grid, sections: Sequence[_Section], axis: int) -> NDArray[np.int8]:
+    """`Interfaces.medium` of one axis."""
+    index = np.indices(grid.face_shape(axis)).reshape(grid.dimension, -1).T
+    centre = (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing
+    medium = _medium_at(grid, sections, centre)
+    return medium.reshape(grid.face_shape(axis))
+
+
+def stand_along(
+    grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], interfaces: Interfaces | None,
+    material: list[NDArray[np.int32]], materials: FloatArray,
+) -> tuple[list[NDArray[np.int32]], FloatArray]:  # fmt: skip
+    """`Medium.material` and `Medium.materials` of faces through whose box an interface runs along their axis.
+
+    Across the flow media lie one behind the other, and their mean resists; along it side by side, each with a
+    velocity of its own: such a face has that of the medium at its centre.
+    """
+    if not bodies or interfaces is None:
+        return material, materials
+    media, kinds = number_media(bodies)
+    pure = np.array([[inertia / n, a, b] for a, b, n, inertia in kinds])
+    sections = [_Section.of(grid, part, media) for part in parts]
+    numbers = []
+    for axis, number in enumerate(material):
+        mixed = np.flatnonzero(~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number])
+        index = np.stack(np.unravel_index(mixed, number.shape), axis=1)
+        planes = _planes(grid, sections, (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing)
+        medium = interfaces.medium[axis].ravel()[mixed]
+        along = (planes[:, axis] ** 2 < ALONG) & (medium >= 0) & (planes[:, -1] != planes[:, -2])
+        flat = number.ravel().copy()
+        flat[mixed[along]] = len(materials) + medium[along]
+        numbers.append(flat.reshape(number.shape))
+    return numbers, np.concatenate([materials, pure])
+
+
+def _medium_at(grid: Grid, sections: Sequence[_Section], point: FloatArray) -> NDArray[np.int8]:
+    """At points (N, d) in the tank; between layers in y the one that resists less."""
+    found = np.full(len(point), SOLID, np.int8).view(np.uint8)  # in which a solid is the largest
+    for section in sections:
+        here = (point[:, 1] >= section.span[0]) & (point[:, 1] <= section.span[1]) | (grid.dimension == 2)
+        found[here] = np.minimum(found[here], section.medium_at(point[here, 0], point[here, -1]).view(np.uint8))
+    return found.view(np.int8)
