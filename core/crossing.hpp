@@ -153,7 +153,6 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
     double mean[D] = {}, inertia[D] = {}, energy[D] = {}, least[D], most[D] = {};
     std::fill(least, least + D, 1e300);
     each_seen<D>(g, st, stride, medium.media, x + D * p, [&](auto a, index f, double w) {
-      if (w == 0.0) return;
       const double J = medium.table[medium.number[a][f]].inertia, v = velocity[a][f];
       mean[a] += w * v;
       inertia[a] += w * J;

@@ -56,12 +56,12 @@ class Interfaces(NamedTuple):
         kept = (planes[:, -1] != planes[:, -2]) & (planes[:, -2:] != SOLID).all(axis=1)
         if not kept.any():
             return None
-        on_it = ON_LINE * min(grid.spacing)  # what lies on an interface is in the medium that resists less
-        planes[:, -3] += np.where(planes[:, -2] < planes[:, -1], on_it, -on_it)
         number = np.full(grid.shape, -1, np.int32)
         number[tuple(cell[kept].T)] = np.arange(np.count_nonzero(kept))
         planes = planes[kept]
         _snap(grid, planes)
+        on_it = ON_LINE * min(grid.spacing)  # what lies on an interface is in the medium that resists less
+        planes[:, -3] += np.where(planes[:, -2] < planes[:, -1], on_it, -on_it)
         medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
         return cls(number, np.ascontiguousarray(planes), medium)
 
@@ -114,9 +114,15 @@ class _Section(NamedTuple):
             return np.full(len(x), np.inf), np.zeros((len(x), 2, 2))
         tree = shapely.STRtree(shapely.linestrings(self.edge))
         points = shapely.points(x, z)
-        found, which = tree.query_nearest(points, all_matches=False)
+        _, near = tree.query_nearest(points, all_matches=False, return_distance=True)
+        reach = near + ON_LINE * near.max(initial=0.0)
+        found, which = tree.query(points, predicate="dwithin", distance=reach)  # the more upright of those as near
+        steep = np.abs(self.edge[which, 1, 1] - self.edge[which, 0, 1])
+        steep /= np.linalg.norm(self.edge[which, 1] - self.edge[which, 0], axis=1)
+        order = np.lexsort((-np.round(steep, 6), found))
+        found, first = np.unique(found[order], return_index=True)
         edge = np.empty((len(x), 2, 2))
-        edge[found] = self.edge[which]
+        edge[found] = self.edge[which[order][first]]
         along, start = edge[:, 1] - edge[:, 0], edge[:, 0]
         at = np.stack([x, z], axis=1)
         share = np.clip(np.sum((at - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
@@ -241,7 +247,7 @@ def stand_along(
         medium = interfaces.medium[axis].ravel()[mixed]
         along = (planes[:, axis] ** 2 < ALONG) & (medium >= 0) & (planes[:, -1] != planes[:, -2])
         flat = number.ravel().copy()
-        flat[mixed[along]] = len(materials) + medium[along]
+        flat[mixed[along]] = len(materials) + medium[along].astype(np.int32)
         numbers.append(flat.reshape(number.shape))
     return numbers, np.concatenate([materials, pure])
 
