@@ -299,8 +299,8 @@ inline void apart(const A* a, index n, const char* name, const B* b, index m, co
 
 // ---- index tables ---------------------------------------------------------------------------------------------------
 
-// What the numbers of a table must be: each in [0, limit); the same, or -1 for none; from 0 to limit, none below the one before (where lists
-// begin), or each above it (where lists begin that are not empty).
+// What the numbers of a table must be: each in [0, limit); the same, or -1 for none; from 0 to limit, none below the
+// one before (where lists begin), or each above it (where lists begin that are not empty).
 enum class Table { numbers, some, starts, groups };
 
 // Whether this very table was found to be right before: true only for one that nobody can write to.
@@ -316,7 +316,8 @@ inline void require_table(const View<T>& v, const char* name, Table kind, index 
     std::remove_const_t<T> least = 0, most = 0;
     for (index i = 0; i < v.size; ++i) least = std::min(least, v.data[i]), most = std::max(most, v.data[i]);
     wrong = v.size > 0 && (least < none || most >= std::max<index>(limit, none + 1));
-    if (wrong) refuse(std::string(name) + " has numbers outside " + std::to_string(none) + " to " + std::to_string(limit - 1));
+    if (wrong)
+      refuse(std::string(name) + " has numbers outside " + std::to_string(none) + " to " + std::to_string(limit - 1));
   } else {
     wrong = v.size < 1 || v.data[0] != 0 || v.data[v.size - 1] != limit;
     const std::int64_t least = kind == Table::groups ? 1 : 0;

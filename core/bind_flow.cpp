@@ -326,8 +326,8 @@ static void bind_motion(nb::module_& m) {
         move<D>(g, at.n, uu, pores, mine, v, b, media, obstacles, dt, at.data);
       },
       "grid"_a, "u"_a, "porosity"_a.none(), "own"_a.none(), "volume"_a.none(), "bulk"_a.none(), "solids"_a.none(),
-      "gates"_a, "dt"_a, "position"_a, "paddles"_a = nb::none(),
-      "interfaces"_a = nb::none(), "Moves the particles with the pore velocity, midpoint rule.");
+      "gates"_a, "dt"_a, "position"_a, "paddles"_a = nb::none(), "interfaces"_a = nb::none(),
+      "Moves the particles with the pore velocity, midpoint rule.");
   define(
       m, "travel",
       [](G g, double dt, Givens u, Givens mass, double least, OptionalListed porosity, std::vector<Array<float>> way) {
@@ -462,19 +462,20 @@ static void bind_crossing(nb::module_& m) {
   using G = const Grid<D>&;
   define(
       m, "sample_medium",
-      [](G g, FaceNumbers number, Given table, ListedField contrast, ListedField porosity, Given x, Given volume,
-         Field bulk, Array<float> inertia, OptionalInterfaces interfaces) {
+      [](G g, FaceNumbers number, Given table, ListedField contrast, ListedField porosity, ListedField uniform, Given x,
+         Given volume, Field bulk, Array<float> inertia, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
         const auto medium = crossing_of<D>(g, number, table, contrast, nullptr, interfaces);
-        const Listed pores = listed_of(g, porosity, "porosity");
+        const Listed pores = listed_of(g, porosity, "porosity"), one = listed_of(g, uniform, "uniform");
         const double* v = entries(volume, at.n, "volume");
         double* b = entries(bulk, at.n, "bulk");
         float* J = entries(inertia, at.n * D, "inertia");
         nb::gil_scoped_release release;
-        sample_medium<D>(g, at.n, medium, pores, at.data, v, b, J);
+        sample_medium<D>(g, at.n, medium, pores, one, at.data, v, b, J);
       },
-      "grid"_a, "number"_a, "table"_a, "contrast"_a, "porosity"_a, "position"_a, "volume"_a, "bulk"_a, "inertia"_a,
-      "interfaces"_a = nb::none(), "Bulk volume and inertia at the particles, linear from the cells and the faces.");
+      "grid"_a, "number"_a, "table"_a, "contrast"_a, "porosity"_a, "uniform"_a, "position"_a, "volume"_a, "bulk"_a,
+      "inertia"_a, "interfaces"_a = nb::none(),
+      "Bulk volume and inertia at the particles, linear from the cells and the faces.");
   define(
       m, "hold_faces",
       [](G g, GivenMask active, ListedField open, ListedField contrast, double most, std::vector<Mask> held) {

@@ -57,8 +57,7 @@ static void bind(nb::module_& m) {
   define(
       m, "remesh_conservative",
       [](const Grid<D>& g, OptionalListed cell_porosity, Array<const std::int8_t> body, Outline outline, Given x,
-         Given u, Given volume, OptionalGiven porosity, index first, index last,
-         OptionalInterfaces interfaces) {
+         Given u, Given volume, OptionalGiven porosity, index first, index last, OptionalInterfaces interfaces) {
         const auto media = interfaces_of(g, interfaces);
         const auto p = particles_of<D>(g, x, u, volume, porosity);
         const Listed pores = listed_of(g, cell_porosity, "cell_porosity");

@@ -21,7 +21,11 @@ template <int D>
 static Cloud<D> sorted_cloud(const Grid<D>& g, const Given& x, const OptionalGiven& side, const Given& mass,
                              const Numbers& start, const OptionalInterfaces& media = {}) {
   const auto at = points<D>(x, "position");
-  return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"), slabs_of(g, start, at.n),
+  return {at.n,
+          at.data,
+          entries(side, at.n, "side"),
+          entries(mass, at.n, "mass"),
+          slabs_of(g, start, at.n),
           interfaces_of(g, media)};
 }
 
@@ -30,8 +34,12 @@ template <int D>
 static Cloud<D> cloud_of(const Grid<D>& g, const Given& x, const OptionalGiven& side, const Given& mass,
                          const Numbers& start, const OptionalInterfaces& media) {
   const auto at = points<D>(x, "position");
-  return {at.n, at.data, entries(side, at.n, "side"), entries(mass, at.n, "mass"),
-          entries(start, g.cells() + 1, "start"), interfaces_of(g, media)};
+  return {at.n,
+          at.data,
+          entries(side, at.n, "side"),
+          entries(mass, at.n, "mass"),
+          entries(start, g.cells() + 1, "start"),
+          interfaces_of(g, media)};
 }
 
 template <int D>
@@ -125,7 +133,8 @@ static void bind_faces(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "affine"_a.none(), "velocity"_a,
-      "face_mass"_a, "interfaces"_a = nb::none(), "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
+      "face_mass"_a, "interfaces"_a = nb::none(),
+      "Mass-weighted mean of the particle velocities on the faces, and the face masses.");
   define(
       m, "add_residual",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, Givens face_mass,
@@ -180,9 +189,9 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
   define(
       matrix, "transfer",
       [](Matrix& s, Given x, Given mass, Numbers start, Given u, int order, Fields velocity, Fields face_mass,
-         Fields work, Field lent) {
+         Fields work, Field lent, OptionalInterfaces interfaces) {
         const auto& g = s.grid();
-        const auto cloud = sorted_cloud<D>(g, x, std::nullopt, mass, start);
+        const auto cloud = sorted_cloud<D>(g, x, std::nullopt, mass, start, interfaces);
         const double* uu = entries(u, cloud.n * D, "u");
         if (order < 1 || order > 1000) refuse("order is " + std::to_string(order) + ": 1 to 1000");
         const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass"),
@@ -193,6 +202,7 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
         s.transfer(cloud, uu, order, v, fm, w, {space.data, static_cast<std::size_t>(space.size)});
       },
       "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a, "lent"_a,
+      "interfaces"_a = nb::none(),
       "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
 }
 

@@ -5,6 +5,8 @@
 // particle that no pressure holds keeps its energy by itself: s u_d stays, whatever the step (docs/decisions/0015).
 #pragma once
 
+#include <vector>
+
 #include "forces.hpp"
 #include "transfer.hpp"
 
@@ -34,13 +36,20 @@ inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
 }
 
 // The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D) along each axis,
-// linear from its faces, so that to gather the particles' momentum on the faces makes no energy.
+// linear from its faces, so that to gather the particles' momentum on the faces makes no energy. uniform (cells): J
+// where a particle meets one medium only, else 0.
 template <int D>
-inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
-                          const double* volume, double* bulk, float* inertia) {
+inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity,
+                          const Listed& uniform, const double* x, const double* volume, double* bulk, float* inertia) {
   const auto stride = face_strides(g);
   const auto cells = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
+    const index cell = place_of<D>(g, x + D * p).cell;
+    if (const double J = uniform[cell]; J > 0.0) {
+      bulk[p] = volume[p] / porosity[cell];
+      std::fill_n(inertia + D * p, D, static_cast<float>(J));
+      return;
+    }
     Stencil<LinearKernel, D> st;
     st.set(g, x + D * p);
     bulk[p] = volume[p] / st.template gather<-1>(cells, porosity);
@@ -56,19 +65,26 @@ inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, 
 template <int D>
 inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const Listed& contrast,
                        double most, const std::array<std::uint8_t*, D>& held) {
+  std::vector<std::uint8_t> cells(static_cast<std::size_t>(g.cells()));
+  std::uint8_t* deep = cells.data();
+  parallel_for_grid(g.cells(), [=](index c) {
+    const double ratio = contrast[c];
+    deep[c] = ratio > 1.0 && ratio <= most && active[c] && without_air(g, active, open, c);
+  });
   const auto stride = Grid<D>::strides(g.shape);
-  const auto deep = [=](index c) {
-    return contrast[c] > 1.0 && contrast[c] <= most && active[c] && without_air(g, active, open, c);
-  };
-  for (int a = 0; a < D; ++a) {
-    const auto shape = g.face_shape(a);
+  for (int a = 0; a < D; ++a) {  // the faces across axis a in lines along it, or along the others
+    const index inner = stride[a], n = g.shape[a], end = g.periodic[a] ? 0 : (n - 1) * inner;
+    const index begin = g.periodic[a] ? (n - 1) * inner : 0;
     std::uint8_t* out = held[a];
-    parallel_for_grid(g.faces(a), [=](index f) {
-      auto low = Grid<D>::unflat(f, shape), high = low;
-      low[a] = inside(low[a] - 1, g.shape[a], g.periodic[a]);
-      high[a] = inside(high[a], g.shape[a], g.periodic[a]);
-      out[f] = deep(Grid<D>::flat(low, stride)) && deep(Grid<D>::flat(high, stride));
-    });
+    parallel_for_grid(
+        g.cells() / (n * inner) * (n + 1),
+        [=](index r) {
+          const index block = r / (n + 1), i = r % (n + 1);
+          const std::uint8_t* cell = deep + block * n * inner;
+          const std::uint8_t *low = cell + (i > 0 ? (i - 1) * inner : begin), *high = cell + (i < n ? i * inner : end);
+          for (index k = 0; k < inner; ++k) out[r * inner + k] = low[k] & high[k];
+        },
+        16);
   }
 }
 
@@ -107,7 +123,7 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
       const double left = 1.0 - held_share<a, D>(st, stride, medium.held);
       const double now = inertia[D * p + a] * (bulk[p] / volume[p]);
       root[a] = std::sqrt(now);
-      u[D * p + a] *= std::pow(before[D * p + a] / now, 0.5 * left);
+      if (left > 1e-12) u[D * p + a] *= std::pow(before[D * p + a] / now, 0.5 * left);
       w[a] = root[a] * u[D * p + a];
     });
     st.template each<-1>(cells, [&](index c, double weight, double, const std::array<int, D>& k) {

@@ -11,6 +11,9 @@
 
 namespace houle {
 
+// Share of the weights of an axis that must be on a particle's side; with less there is nothing to choose from.
+constexpr double least_own = 0.01;
+
 // The interface nearest to the centre of a cell, as a plane, and the media on both of its sides.
 template <int D>
 struct Interface {
@@ -23,6 +26,7 @@ struct Interface {
     for (int a = 0; a < D; ++a) s += normal[a] * x[a];
     return s >= 0.0;
   }
+  int side(const double* x) const { return static_cast<int>(beyond(x) ? above : below); }  // the medium there
   int axis() const {  // to which it is parallel, -1: none
     for (int a = 0; a < D; ++a)
       if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
@@ -38,8 +42,21 @@ struct Interfaces {
   const Interface<D>* list = nullptr;
   ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
 
-  const Interface<D>* near(const Grid<D>& g, const double* x) const { return number ? in(place_of<D>(g, x).cell) : nullptr; }
+  const Interface<D>* near(const Grid<D>& g, const double* x) const {
+    return number ? in(place_of<D>(g, x).cell) : nullptr;
+  }
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
+  // Whether a face of axis a lies on the side of that medium.
+  bool is_own(int a, index f, int side) const { return medium[a][f] == side || medium[a][f] < 0; }
+  // weight (count): of faces of axis a, of sum 1, becomes what a particle at x beside that interface sees of them.
+  void own(int a, const Interface<D>& at, const double* x, int count, const index* face, double* weight) const {
+    if (at.across(a)) return;
+    const int side = at.side(x);
+    double sum = 0.0;
+    for (int k = 0; k < count; ++k) sum += is_own(a, face[k], side) ? weight[k] : 0.0;
+    if (!(sum > least_own)) return;
+    for (int k = 0; k < count; ++k) weight[k] = is_own(a, face[k], side) ? weight[k] / sum : 0.0;
+  }
 };
 
 // A particle beside an interface: how it sees the faces.
@@ -51,7 +68,7 @@ class Beside {
          const Interface<D>* at, const double* x)
       : stencil_(stencil), stride_(stride), media_(media), at_(at) {
     if (!at) return;
-    medium_ = static_cast<signed char>(at->beyond(x) ? at->above : at->below);
+    side_ = at->side(x);
     each_of<D>([&](auto a) {
       double all = 0.0, own = 0.0;
       stencil.template each<a>(stride[a], [&](index f, double w, double) {
@@ -59,7 +76,7 @@ class Beside {
         own += is_own(a, f) ? w : 0.0;
       });
       total_[a] = 1.0 / all;
-      own_[a] = !at->across(a) && own > least * all ? 1.0 / own : 0.0;
+      own_[a] = !at->across(a) && own > least_own * all ? 1.0 / own : 0.0;
       cut_ = cut_ || (own != all && own_[a] > 0.0);
     });
   }
@@ -86,18 +103,15 @@ class Beside {
   }
 
  private:
-  static constexpr double least =
-      0.01;  // of the weights of an axis that must be on its side; else there is nothing to choose from
-
   const Stencil<K, D>& stencil_;
   const std::array<std::array<index, D>, D>& stride_;
   const Interfaces<D>& media_;
   const Interface<D>* at_;
-  signed char medium_ = 0;
+  int side_ = 0;
   bool cut_ = false;
   double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
 
-  bool is_own(int a, index f) const { return media_.medium[a][f] == medium_ || media_.medium[a][f] < 0; }
+  bool is_own(int a, index f) const { return media_.is_own(a, f, side_); }
 };
 
 }  // namespace houle

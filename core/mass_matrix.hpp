@@ -120,7 +120,8 @@ class MassMatrix {
     const Grid<D> g = grid_;
     const auto stride = Grid<D>::strides(rows_of<D>(shape_));
     const Row* rows = rows_.data();
-    const index nodes = nodes_;
+    const index nodes = nodes_, line = line_;
+    const Interfaces<D> media = cloud.media;
     double* store = store_;
     each_row([=](index, const Row& row, index) {
       for (int l = 0; l <= links; ++l) std::fill_n(store + l * nodes + row.first, row.height, 0.0);
@@ -144,7 +145,7 @@ class MassMatrix {
           stored = stored && reach[up].node[c & 1] < rows[row].height;
         });
         if (!stored) continue;
-        index node[corners];
+        index node[corners], face[corners];
         double weight[corners];
         unrolled<corners>([&](auto c) {
           index row = 0;
@@ -155,8 +156,10 @@ class MassMatrix {
             if (b < up) row += reach[b].node[side] * stride[b];
           });
           node[c] = rows[row].first + reach[up].node[c & 1];
+          face[c] = row * line + reach[up].node[c & 1];
           weight[c] = w;
         });
+        if (const auto* at = media.near(g, cloud.x + D * p)) media.own(a, *at, cloud.x + D * p, corners, face, weight);
         const double m = cloud.mass[p], mu = m * u[D * p + a];
         unrolled<corners>([&](auto c) {
           double* at = store + node[c];

@@ -197,9 +197,9 @@ class Flow:
         """Bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            porosity = self.medium.listed("particle_porosity")
+            pores = (self.medium.listed("particle_porosity"), self.medium.listed("uniform"))
             particles = (p.position, p.volume, self._bulk, self.inertia)
-            _core.sample_medium(core, *self.crossing, porosity, *particles, self.medium.interfaces)
+            _core.sample_medium(core, *self.crossing, *pores, *particles, self.medium.interfaces)
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 

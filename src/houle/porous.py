@@ -55,6 +55,7 @@ class Medium:
         energy            C_r / n^2 as <C_r / n> / <n>: that of water that fills the pores of the cell with one u_d
         coefficient       <C_r>
         contrast          largest over least C_r / n^2 of the open cells `NEAR` each way; 1: no interface near
+        uniform           C_r / n where it and the porosity of particles are those of all cells around, else 0
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed; in single precision
     material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
@@ -106,8 +107,10 @@ class Medium:
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
-        names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast")
-        kind, kinds = _listed([porosity, particle_porosity, open_cells, energy, coefficient, contrast])
+        uniform = _uniform(grid, particle_porosity, [materials[number, 0] for number in material])
+        names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast", "uniform")
+        fields = [porosity, particle_porosity, open_cells, energy, coefficient, contrast, uniform]
+        kind, kinds = _listed(fields)
         return cls(
             grid=grid,
             bodies=tuple(bodies),
@@ -226,6 +229,28 @@ def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[b
             most = np.moveaxis(np.maximum(np.maximum(high[:-2], high[1:-1]), high[2:]), 0, axis)
             least = np.moveaxis(np.minimum(np.minimum(low[:-2], low[1:-1]), low[2:]), 0, axis)
     return np.divide(most, least, out=np.ones_like(energy), where=most > least)
+
+
+def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> FloatArray:
+    """`uniform` of the cells: C_r / n of all faces, and the porosity of all cells, that a particle there sees, or 0."""
+    least, most = [porosity], [porosity]
+    for axis, faces in enumerate(inertia):
+        low, high = (np.moveaxis(faces, axis, 0)[s] for s in (slice(None, -1), slice(1, None)))
+        least.append(np.moveaxis(np.minimum(low, high), 0, axis))
+        most.append(np.moveaxis(np.maximum(low, high), 0, axis))
+    if not inertia:
+        return np.ones(grid.shape)
+    J = least[1]
+    same = np.all([low == high for low, high in zip(least[1:], most[1:], strict=True)], axis=0)
+    same &= np.all([low == J for low in least[1:]], axis=0)
+    for axis, wraps in enumerate(grid.periodic):
+        for field in (porosity, J):
+            wide = widened(field, axis, wraps)
+            same &= np.moveaxis((wide[:-2] == wide[1:-1]) & (wide[2:] == wide[1:-1]), 0, axis)
+    for axis, wraps in enumerate(grid.periodic):
+        wide = widened(same, axis, wraps)
+        same = np.moveaxis(wide[:-2] & wide[1:-1] & wide[2:], 0, axis)
+    return np.where(same, J, 0.0)
 
 
 def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:

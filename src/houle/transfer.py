@@ -70,8 +70,8 @@ class Fmpm(Pic):
 
     def to_grid(self, flow: Flow) -> None:
         p = flow.particles
-        if flow.kernel == "linear" and flow.medium.interfaces is None:
-            spaces = (flow.velocity, flow.work.face_mass, flow.old_velocity, flow.work.store)
+        if flow.kernel == "linear":
+            spaces = (flow.velocity, flow.work.face_mass, flow.old_velocity, flow.work.store, flow.medium.interfaces)
             flow.work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *spaces)
             return
         super().to_grid(flow)

@@ -140,7 +140,7 @@ class World:
             named("scatter_cells", {"grid": g, "start": start, "position": x, "amount": volume, "out": cells,
                                     "paddles": paddles, "factor": self.cells()}, "out"),
             named("gather_cells", {"grid": g, "position": x, "field": cells, "out": np.zeros(n)}, "out"),
-            named("sample_medium", {"grid": g, **crossing, "porosity": pores, "position": x, "volume": volume,
+            named("sample_medium", {"grid": g, **crossing, "porosity": pores, "uniform": m.listed("uniform"), "position": x, "volume": volume,
                                     "bulk": np.zeros(n), "inertia": np.zeros((n, d), np.float32)}, "bulk", "inertia"),
             named("hold_faces", {"grid": g, "active": self.flags(), "open": m.listed("open_cells"),
                                  "contrast": m.listed("contrast"), "most": 3.0, "held": self.face_flags()}, "held"),

@@ -44,7 +44,8 @@ class Pores:
 
     def sample(self, x):
         bulk, inertia = np.zeros(len(x)), np.zeros(x.shape, np.float32)
-        _core.sample_medium(self.grid.core, *self.medium, numbered(self.porosity), x, self.volume, bulk, inertia)
+        pores = numbered(self.porosity), numbered(np.zeros(self.grid.shape))
+        _core.sample_medium(self.grid.core, *self.medium, *pores, x, self.volume, bulk, inertia)
         return bulk, inertia
 
     def carry(self, to, dt):
