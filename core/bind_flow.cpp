@@ -505,6 +505,29 @@ static void bind_crossing(nb::module_& m) {
       "bulk"_a, "inertia"_a, "before"_a, "u"_a,
       "Velocities of particles that nothing holds, with the energy they had.");
   define(
+      m, "cell_energy",
+      [](G g, GivenMask near, Given x, Given bulk, Array<const float> inertia, Given u, Field out) {
+        const auto at = points<D>(x, "position");
+        const std::uint8_t* where = cells(g, near, "near");
+        const double *b = entries(bulk, at.n, "bulk"), *uu = entries(u, at.n * D, "u");
+        const float* J = entries(inertia, at.n * D, "inertia");
+        double* energy = cells(g, out, "out");
+        nb::gil_scoped_release release;
+        cell_energy<D>(g, at.n, where, at.data, b, J, uu, energy);
+      },
+      "grid"_a, "near"_a, "position"_a, "bulk"_a, "inertia"_a, "u"_a, "out"_a,
+      "Twice the kinetic energy of the particles of the cells that are near; 0 in the others.");
+  define(
+      m, "scale_by_cell",
+      [](G g, Given share, Given x, Field u) {
+        const auto at = points<D>(x, "position");
+        const double* s = cells(g, share, "share");
+        double* uu = entries(u, at.n * D, "u");
+        nb::gil_scoped_release release;
+        scale_by_cell<D>(g, at.n, s, at.data, uu);
+      },
+      "grid"_a, "share"_a, "position"_a, "u"_a, "Velocities of particles times the share of their cell.");
+  define(
       m, "settle",
       [](G g, FaceNumbers number, Given table, ListedField contrast, GivenMasks held, Givens velocity, Given x, Field u,
          std::optional<Field> affine, OptionalInterfaces interfaces) {

@@ -186,4 +186,26 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
   });
 }
 
+// Twice the kinetic energy per density of the particles of each cell that is near (cells), 0 elsewhere: out (cells).
+// The particles may be in any order, so one by one: the sums are the same for any number of threads.
+template <int D>
+inline void cell_energy(const Grid<D>& g, index n, const std::uint8_t* near, const double* x, const double* bulk,
+                        const float* inertia, const double* u, double* out) {
+  std::fill_n(out, g.cells(), 0.0);
+  for (index p = 0; p < n; ++p) {
+    const index cell = place_of<D>(g, x + D * p).cell;
+    if (!near[cell]) continue;
+    for (index k = D * p; k < D * (p + 1); ++k) out[cell] += bulk[p] * inertia[k] * u[k] * u[k];
+  }
+}
+
+// The velocities of particles times the share of their cell (cells).
+template <int D>
+inline void scale_by_cell(const Grid<D>& g, index n, const double* share, const double* x, double* u) {
+  parallel_for(n, [=](index p) {
+    const double s = share[place_of<D>(g, x + D * p).cell];
+    for (index k = D * p; k < D * (p + 1); ++k) u[k] *= s;
+  });
+}
+
 }  // namespace houle

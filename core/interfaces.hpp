@@ -26,8 +26,8 @@ struct Interface {
     for (int a = 0; a < D; ++a) s += normal[a] * x[a];
     return s >= 0.0;
   }
-  int side(const double* x) const { return static_cast<int>(beyond(x) ? above : below); }  // the medium there
-  int axis() const {  // to which it is parallel, -1: none
+  double side(const double* x) const { return beyond(x) ? above : below; }  // the medium there
+  int axis() const {                                                        // to which it is parallel, -1: none
     for (int a = 0; a < D; ++a)
       if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
     return -1;
@@ -47,11 +47,11 @@ struct Interfaces {
   }
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
   // Whether a face of axis a lies on the side of that medium.
-  bool is_own(int a, index f, int side) const { return medium[a][f] == side || medium[a][f] < 0; }
+  bool is_own(int a, index f, double side) const { return medium[a][f] == side || medium[a][f] < 0; }
   // weight (count): of faces of axis a, of sum 1, becomes what a particle at x beside that interface sees of them.
   void own(int a, const Interface<D>& at, const double* x, int count, const index* face, double* weight) const {
     if (at.across(a)) return;
-    const int side = at.side(x);
+    const double side = at.side(x);
     double sum = 0.0;
     for (int k = 0; k < count; ++k) sum += is_own(a, face[k], side) ? weight[k] : 0.0;
     if (!(sum > least_own)) return;
@@ -107,7 +107,7 @@ class Beside {
   const std::array<std::array<index, D>, D>& stride_;
   const Interfaces<D>& media_;
   const Interface<D>* at_;
-  int side_ = 0;
+  double side_ = 0;
   bool cut_ = false;
   double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
 

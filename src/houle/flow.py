@@ -146,6 +146,15 @@ class Flow:
         """`Medium.at_interface`, once."""
         return self.medium.at_interface
 
+    @cached_property
+    def around_interface(self) -> NDArray[np.uint8]:
+        """Those cells, and all that touch one."""
+        near = self.at_interface
+        for axis, wraps in enumerate(self.grid.periodic):
+            wide = widened(near, axis, wraps)
+            near = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, axis)
+        return np.ascontiguousarray(near, np.uint8)
+
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
 

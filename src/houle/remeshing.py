@@ -71,17 +71,10 @@ class Remeshing:
         return max(way / h for way, h in zip(ways, grid.spacing, strict=True))
 
 
-def _cells(flow: Flow) -> NDArray[np.int64]:
-    """The cell of each particle, as a flat index (N,)."""
-    shape = flow.grid.shape
-    at = np.floor(flow.particles.position / flow.grid.spacing).astype(int)
-    return np.ravel_multi_index(tuple(np.clip(at, 0, np.array(shape) - 1).T), shape)
-
-
 def _energy(flow: Flow) -> FloatArray:
-    """Twice the kinetic energy in each cell and those around it [m^d m2/s2], per density."""
-    each = flow.bulk * np.sum(flow.energy_density, axis=1)
-    total: FloatArray = np.bincount(_cells(flow), each, flow.fill.size).astype(float).reshape(flow.grid.shape)
+    """Twice the kinetic energy in each cell near interfaces and those around it [m^d m2/s2], per density."""
+    p, total = flow.particles, flow.grid.cells()
+    _core.cell_energy(flow.grid.core, flow.around_interface, p.position, flow.bulk, flow.inertia, p.velocity, total)
     for axis, wraps in enumerate(flow.grid.periodic):
         wide = widened(total, axis, wraps)
         total = np.moveaxis(wide[:-2] + wide[1:-1] + wide[2:], 0, axis)
@@ -97,8 +90,8 @@ def _take_made(flow: Flow, before: FloatArray) -> None:
     held = np.ones(flow.grid.shape, bool)
     for axis, faces in enumerate(flow.held):
         held &= np.minimum(np.delete(faces, 0, axis=axis), np.delete(faces, -1, axis=axis)) > 0
-    after = _energy(flow)
+    after, p = _energy(flow), flow.particles
     made = (after > before) & ~held & flow.at_interface
     if made.any():
         share = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=made))
-        flow.particles.velocity *= share.ravel()[_cells(flow), None]
+        _core.scale_by_cell(flow.grid.core, np.ascontiguousarray(share), p.position, p.velocity)

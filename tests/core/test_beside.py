@@ -103,6 +103,21 @@ def test_transfers_are_transposes():
     assert given == pytest.approx(np.sum(cloud.mass[:, None] * cloud.u * cloud.to_particles(v)), rel=1e-10)
 
 
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_mass_matrix_gives_what_passes_over_the_particles_give(name):
+    """FMPM(4) beside interfaces, where particles see the faces of their own side."""
+    cloud = Cloud(name, "linear")
+    velocity, mass = cloud.to_faces(cloud.u, 4)
+    found, found_mass, work = (cloud.grid.faces(7.0) for _ in range(3))
+    matrix = (_core.MassMatrix2 if cloud.grid.dimension == 2 else _core.MassMatrix3)(cloud.grid.core)
+    _, _, x, _, weight, start = cloud.core
+    matrix.transfer(x, weight, start, cloud.u, 4, found, found_mass, work, np.zeros(10), cloud.media)
+    for a, (m, u) in enumerate(zip(mass, velocity, strict=True)):
+        assert found_mass[a] == pytest.approx(m, rel=1e-11, abs=1e-12)
+        there = m > 1e-3
+        assert found[a][there] == pytest.approx(u[there], rel=1e-9, abs=1e-9)
+
+
 def test_bodies_of_one_medium_and_bodies_that_do_nothing_have_no_interface():
     halves = [PorousBody(n, Box((x, 0.0), (x + 0.45, 0.84)), **ROCK) for n, x in (("left", 0.0), ("right", 0.45))]
     assert Medium.build(PLANE, halves).interfaces is None

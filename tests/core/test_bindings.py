@@ -83,7 +83,13 @@ def test_tables_that_point_elsewhere_are_refused(read_only):
 
     def sample(number, value):
         faces = [np.zeros(GRID.face_shape(a), np.int32) for a in range(2)]
-        medium = (faces, np.array([[1.0, 0.0, 0.0]]), numbered(GRID.cells(1.0)), (number, value), numbered(GRID.cells()))
+        medium = (
+            faces,
+            np.array([[1.0, 0.0, 0.0]]),
+            numbered(GRID.cells(1.0)),
+            (number, value),
+            numbered(GRID.cells()),
+        )
         _core.sample_medium(GRID.core, *medium, x, volume, bulk, np.zeros((1, 2), np.float32))
 
     for _ in range(2):
