@@ -57,7 +57,8 @@ static void bind(nb::module_& m) {
   define(
       m, "remesh_conservative",
       [](const Grid<D>& g, OptionalListed cell_porosity, Array<const std::int8_t> body, Outline outline, Given x,
-         Given u, Given volume, OptionalGiven porosity, index first, index last, OptionalInterfaces interfaces) {
+         Given u, Given volume, OptionalGiven porosity, index first, index last, OptionalInterfaces interfaces,
+         bool along) {
         const auto media = interfaces_of(g, interfaces);
         const auto p = particles_of<D>(g, x, u, volume, porosity);
         const Listed pores = listed_of(g, cell_porosity, "cell_porosity");
@@ -68,12 +69,12 @@ static void bind(nb::module_& m) {
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, {pores, bodies, media}, solids, p, first, last);
+          out = remesh_conservative<D>(g, {pores, bodies, media, along}, solids, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },
       "grid"_a, "cell_porosity"_a.none(), "body"_a, "solids"_a.none(), "position"_a, "velocity"_a, "volume"_a,
-      "porosity"_a.none(), "first"_a = 0, "last"_a = -1, "interfaces"_a = nb::none(),
+      "porosity"_a.none(), "first"_a = 0, "last"_a = -1, "interfaces"_a = nb::none(), "along"_a = true,
       "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
   define(
       m, "remesh_paper",

@@ -27,7 +27,8 @@ template <int D>
 struct Pores {              // of the half cells
   Listed cells;             // porosity at the cell centres, between which it is linear; null: 1
   const std::int8_t* body;  // of each half cell: negative in solids
-  Interfaces<D> media{};    // across which the velocity along them is not handed
+  Interfaces<D> media{};    // across which the velocity along them is not handed,
+  bool along = true;        // unless what the particles carry goes with the water itself
 
   bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls
     return body[node] < 0 || node < l.begin * l.stride[0] || node >= l.end * l.stride[0];
@@ -230,7 +231,7 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   });
   if (seen > remesh::see && sum > remesh::weigh * seen * own) {
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
-    if (aside.at) give_along(receivers, aside, x, g, room, nodes);
+    if (aside.at && pores.along) give_along(receivers, aside, x, g, room, nodes);
     s.each([=](index node, double w, const int*) {
       if (sees(node)) nodes[number[node]].take(w * room(node) / sum, g);
     });

@@ -13,7 +13,7 @@ first node and end of the nodes along x, where walls stand that are not the side
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,8 @@ class Conservative:
     porosity: of the cells, as Medium.listed gives it, None: 1; body: of the half cells, negative in solids
     (Medium.body). Between the centres of the cells the porosity is linear; where it varies the nodes around a particle
     receive in proportion to that of their half cells, so that water which fills the pores goes on filling them.
-    outline: of the solids, None: none. Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so
+    outline: of the solids, None: none. interfaces: along which each side hands on its own velocity (docs/theory.md,
+    section 8); with_water: the same remeshing for what goes with the water itself. Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so
     the potential energy; what would have left the tank or entered a solid is made good by those around it. Around a
     periodic axis x is known up to its length. The true momentum sum V u_d / n is conserved as far as n is the same for
     all.
@@ -57,6 +58,12 @@ class Conservative:
     body: NDArray[np.int8]
     outline: Outline | None = None
     interfaces: Interfaces | None = None
+    along: bool = True
+
+    @property
+    def with_water(self) -> Conservative:
+        """Hands on what is in the place of the velocities as it hands on volume, across interfaces as well."""
+        return replace(self, along=False)
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Conservative:
@@ -67,7 +74,7 @@ class Conservative:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
         pores = (self.porosity, self.body, self.outline)
-        new = _made_anew(_core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces)
+        new = _made_anew(_core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces, self.along)
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(

@@ -9,7 +9,7 @@ from houle import _core
 from houle.flow import SPRAY, Flow
 from houle.grid import FloatArray, widened
 from houle.particles import Particles
-from houle.remesh import Remesher
+from houle.remesh import Conservative, Remesher
 from houle.transfer import Transfer
 
 TRAVEL = 0.5  # cells that water must have come away from where it was for remeshing to be worth it
@@ -46,8 +46,9 @@ class Remeshing:
         for paddle in flow.paddles:
             paddle.to_lattice(old)
         flow.particles = self.remesher(old, porosity, flow.nodes)
-        handed = [  # marks go with the water as velocities do
-            None if mark is None else self.remesher(Particles(old.position, mark, old.volume), porosity, flow.nodes)
+        hand_on = self.remesher.with_water if isinstance(self.remesher, Conservative) else self.remesher
+        handed = [  # marks go with the water
+            None if mark is None else hand_on(Particles(old.position, mark, old.volume), porosity, flow.nodes)
             for mark in marks
         ]
         for paddle in flow.paddles:

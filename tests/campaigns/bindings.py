@@ -225,7 +225,7 @@ class World:
             named("weighted_sum", {"weight": volume, "value": u, "column": d - 1}),
             named("remesh_conservative", {"grid": g, "cell_porosity": pores, "body": m.body, "solids": solid,
                                           "position": x, "velocity": u, "volume": volume,
-                                          "porosity": self.each(), "first": 0, "last": -1, **beside}),
+                                          "porosity": self.each(), "first": 0, "last": -1, **beside, "along": True}),
             named("remesh_conservative", {"grid": g, "cell_porosity": None, "body": np.zeros(halves, np.int8),
                                           "solids": None, "position": x, "velocity": u, "volume": volume,
                                           "porosity": None,
