@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 REACH = 2  # cells from which particles and faces still see each other across an interface
 ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across
 PARALLEL = 1e-9  # 1 - |n_a| of an interface that is parallel to the grid
+LEAST_SHARE = 1e-6  # of the box of a face that another medium takes
 ON_LINE = 1e-6  # [spacings] what is nearer to an interface lies on it
 ASIDE = 1e-3  # [spacings] from an interface: what lies on which side of it
 SOLID = -1
@@ -59,7 +60,6 @@ class Interfaces(NamedTuple):
         number = np.full(grid.shape, -1, np.int32)
         number[tuple(cell[kept].T)] = np.arange(np.count_nonzero(kept))
         planes = planes[kept]
-        _snap(grid, planes)
         on_it = ON_LINE * min(grid.spacing)  # what lies on an interface is in the medium that resists less
         planes[:, -3] += np.where(planes[:, -2] < planes[:, -1], on_it, -on_it)
         medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
@@ -201,22 +201,6 @@ def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> Flo
     return planes
 
 
-def _snap(grid: Grid, planes: FloatArray) -> None:
-    """Moves interfaces that are parallel to the grid, in place, to where the centres of cells change their medium.
-
-    The faces along it have one velocity each. So the water that shares a face moves with it, and no more than that.
-    """
-    d = grid.dimension
-    low, high = planes[:, -2], planes[:, -1]
-    for axis, h in enumerate(grid.spacing):
-        sign = planes[:, axis]
-        aligned = np.abs(sign) > 1.0 - PARALLEL
-        place = sign * planes[:, d] / h
-        upwards = np.where(sign > 0.0, high < low, low < high)  # the medium at larger x is the more mobile one
-        line = np.where(upwards, np.ceil(place - 0.5 - ON_LINE), np.floor(place + 0.5 + ON_LINE))
-        planes[:, d] = np.where(aligned, sign * line * h, planes[:, d])
-
-
 def _on_faces(grid: Grid, sections: Sequence[_Section], axis: int) -> NDArray[np.int8]:
     """`Interfaces.medium` of one axis."""
     index = np.indices(grid.face_shape(axis)).reshape(grid.dimension, -1).T
@@ -225,31 +209,80 @@ def _on_faces(grid: Grid, sections: Sequence[_Section], axis: int) -> NDArray[np
     return medium.reshape(grid.face_shape(axis))
 
 
+class Shared(NamedTuple):
+    """Faces of one axis that two media share side by side, along an interface parallel to the grid.
+
+    face, beside  (K,) int64: such faces, and of each the one next to it that is all in the other medium; flat
+    share         (K,) of the box around the face that the other medium takes
+    """
+
+    face: NDArray[np.int64]
+    beside: NDArray[np.int64]
+    share: FloatArray
+
+
 def stand_along(
     grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], interfaces: Interfaces | None,
     material: list[NDArray[np.int32]], materials: FloatArray,
-) -> tuple[list[NDArray[np.int32]], FloatArray]:  # fmt: skip
-    """`Medium.material` and `Medium.materials` of faces through whose box an interface runs along their axis.
+) -> tuple[list[NDArray[np.int32]], FloatArray, list[Shared]]:  # fmt: skip
+    """`Medium.material` and `Medium.materials` of faces through whose box an interface runs along their axis, and which
+    of them two media share.
 
     Across the flow media lie one behind the other, and their mean resists; along it side by side, each with a
     velocity of its own: such a face has that of the medium at its centre.
     """
     if not bodies or interfaces is None:
-        return material, materials
+        return material, materials, []
     media, kinds = number_media(bodies)
     pure = np.array([[inertia / n, a, b] for a, b, n, inertia in kinds])
     sections = [_Section.of(grid, part, media) for part in parts]
-    numbers = []
+    numbers, shared = [], []
     for axis, number in enumerate(material):
         mixed = np.flatnonzero(~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number])
         index = np.stack(np.unravel_index(mixed, number.shape), axis=1)
-        planes = _planes(grid, sections, (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing)
+        centre = (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing
+        planes = _planes(grid, sections, centre)
         medium = interfaces.medium[axis].ravel()[mixed]
         along = (planes[:, axis] ** 2 < ALONG) & (medium >= 0) & (planes[:, -1] != planes[:, -2])
+        mean = materials[number.ravel()[mixed]]
+        shared.append(_shared(grid, axis, index, centre, planes, medium, interfaces.medium[axis], pure, mean))
         flat = number.ravel().copy()
         flat[mixed[along]] = len(materials) + medium[along].astype(np.int32)
         numbers.append(flat.reshape(number.shape))
-    return numbers, np.concatenate([materials, pure])
+    return numbers, np.concatenate([materials, pure]), shared
+
+
+def _shared(
+    grid: Grid, axis: int, index: NDArray[np.int64], centre: FloatArray, planes: FloatArray, medium: NDArray[np.int8],
+    media: NDArray[np.int8], pure: FloatArray, mean: FloatArray,
+) -> Shared:  # fmt: skip
+    """Of the faces at index, centre (M, d) those that two media share: not at the corner of a body, nor where the face
+    beside has yet another medium. mean (M, 3): of the materials in their boxes."""
+    d = grid.dimension
+    found = []
+    for b in range(d):
+        if b == axis:
+            continue
+        distance = planes[:, d] - planes[:, b] * centre[:, b]  # along the normal, to the interface
+        share = 0.5 - np.abs(distance) / grid.spacing[b]
+        above = distance <= 0.0  # the centre lies there, where normal . x is more
+        other = np.where(above, planes[:, -2], planes[:, -1]).astype(int)
+        step = np.where(above, -1, 1) * np.sign(planes[:, b]).astype(int)
+        beside = index.copy()
+        beside[:, b] += step
+        if grid.periodic[b]:
+            beside[:, b] %= grid.shape[b]
+        inside = (beside[:, b] >= 0) & (beside[:, b] < grid.shape[b])
+        beside[~inside] = index[~inside]
+        own = np.maximum(medium, 0).astype(int)
+        other = np.where((other >= 0) & (other < len(pure)), other, 0)
+        expected = (1.0 - share)[:, None] * pure[own] + share[:, None] * pure[other]
+        kept = inside & (medium >= 0) & (np.abs(planes[:, b]) > 1.0 - PARALLEL) & (share > LEAST_SHARE)
+        kept &= (other != own) & (media[tuple(beside.T)] == other)
+        kept &= np.isclose(expected, mean, rtol=1e-6, atol=0.0).all(axis=1)
+        flat = [np.ravel_multi_index(tuple(i[kept].T), media.shape) for i in (index, beside)]
+        found.append((*flat, share[kept]))
+    return Shared(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
 def _medium_at(grid: Grid, sections: Sequence[_Section], point: FloatArray) -> NDArray[np.int8]:

@@ -11,6 +11,7 @@ from houle import _core
 from houle.errors import SimulationError
 from houle.flow import SPRAY, Flow
 from houle.grid import FloatArray
+from houle.interfaces import Shared
 from houle.ledger import Ledger
 from houle.paddle import place as place_paddles
 from houle.sides import OpenSide
@@ -172,6 +173,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     core, tolerance = flow.grid.core, flow.tolerance / dt
     work = flow.work
     system = (work.coefficient, work.dirichlet, work.rhs)
+    own_sides = [_join_sides(flow, axis, faces) for axis, faces in enumerate(flow.medium.shared)]
     _core.pressure_system(
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.velocity, LEAST_DEPTH, *system
     )
@@ -192,6 +194,8 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.pressure, LEAST_DEPTH,
         flow.velocity, work.valid,
     )  # fmt: skip
+    for axis, (faces, side) in enumerate(zip(flow.medium.shared, own_sides, strict=True)):
+        _part_sides(flow, axis, faces, side)
     for plane in flow.driven:
         plane.impose(flow)
     own = [u.ravel()[where] for u, (where, _) in zip(flow.velocity, flow.edges, strict=False)]
@@ -201,6 +205,28 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     if flow.medium.closed_faces:
         _core.stop_at_solids(core, flow.medium.closed_faces, flow.velocity)
     _book_works(flow, dt, ledger)
+
+
+def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
+    """On faces that two media share: velocity and mobility become those of all that passes, which the pressure drives.
+
+    The other medium's are those of the face beside. Returns (K,) velocity and mobility of the medium at the centre, and
+    of all [m/s], [s].
+    """
+    fields = [flow.velocity[axis].ravel(), flow.mobility[axis].ravel()]
+    own = [field[faces.face] for field in fields]
+    joint = [mine + faces.share * (field[faces.beside] - mine) for field, mine in zip(fields, own, strict=True)]
+    for field, both in zip(fields, joint, strict=True):
+        field[faces.face] = both
+    return own + joint
+
+
+def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) -> None:
+    """After the projection: velocity and mobility of the medium at the centre again, moved by the same pressure."""
+    u, mobility = flow.velocity[axis].ravel(), flow.mobility[axis].ravel()
+    own, own_mobility, joint, joint_mobility = before
+    u[faces.face] = own + own_mobility / joint_mobility * (u[faces.face] - joint)
+    mobility[faces.face] = own_mobility
 
 
 def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:

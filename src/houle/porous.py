@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
 from houle.grid import Faces, FloatArray, Grid, SingleFaces, fixed, widened
-from houle.interfaces import Interfaces, stand_along
+from houle.interfaces import Interfaces, Shared, stand_along
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
 
@@ -67,6 +67,7 @@ class Medium:
     outline        of the solids, for particles near them; None without solids
     closed_faces   of each axis, those in solids near the water; none without solids
     interfaces     between the media; None where there is one
+    shared         of each axis, the faces that two media share side by side; empty where there is one medium
     """
 
     grid: Grid
@@ -81,6 +82,7 @@ class Medium:
     outline: Outline | None
     closed_faces: list[ClosedFaces]
     interfaces: Interfaces | None
+    shared: list[Shared]
 
     @classmethod
     def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
@@ -102,7 +104,7 @@ class Medium:
         body = _index_bodies(grid, parts)
         interfaces = Interfaces.of(grid, parts, bodies, body)
         material, materials = _list_materials(grid, bodies, solid, inside)
-        material, materials = stand_along(grid, parts, bodies, interfaces, material, materials)
+        material, materials, shared = stand_along(grid, parts, bodies, interfaces, material, materials)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
@@ -124,6 +126,7 @@ class Medium:
             outline=outline,
             closed_faces=closed_faces(grid, outline, open_cells, open_faces) if outline else [],
             interfaces=interfaces,
+            shared=shared,
         )
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:

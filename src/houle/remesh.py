@@ -40,10 +40,11 @@ class Conservative:
     (Medium.body). Between the centres of the cells the porosity is linear; where it varies the nodes around a particle
     receive in proportion to that of their half cells, so that water which fills the pores goes on filling them.
     outline: of the solids, None: none. interfaces: along which each side hands on its own velocity (docs/theory.md,
-    section 8); with_water: the same remeshing for what goes with the water itself. Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so
-    the potential energy; what would have left the tank or entered a solid is made good by those around it. Around a
-    periodic axis x is known up to its length. The true momentum sum V u_d / n is conserved as far as n is the same for
-    all.
+    section 8).
+
+    Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so the potential energy; what would
+    have left the tank or entered a solid is made good by those around it. Around a periodic axis x is known up to its
+    length. The true momentum sum V u_d / n is conserved as far as n is the same for all.
 
     Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
     moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves
@@ -74,7 +75,9 @@ class Conservative:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
         pores = (self.porosity, self.body, self.outline)
-        new = _made_anew(_core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces, self.along)
+        new = _made_anew(
+            _core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces, self.along
+        )
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(

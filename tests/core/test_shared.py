@@ -1,0 +1,66 @@
+"""Faces that two media share side by side: how much of each, and that the pressure drives both."""
+
+import numpy as np
+import pytest
+
+from houle.geometry import Box
+from houle.grid import Grid
+from houle.porous import Medium, PorousBody
+
+PLANE = Grid((12, 9), (0.1, 0.1), (False, False))
+ROUND = Grid((12, 9), (0.1, 0.1), (True, False))
+SPACE = Grid((9, 6, 8), (0.1, 0.1, 0.1), (False, True, False))
+ROCK = {"porosity": 0.45, "a": 300.0, "b": 20.0, "inertia": 1.4}
+
+
+def shared(grid, *boxes):
+    bodies = [PorousBody(str(k), Box(*box), **{**ROCK, "a": 300.0 + k}) for k, box in enumerate(boxes)]
+    found = []
+    for axis, faces in enumerate(Medium.build(grid, bodies).shared):
+        where = np.stack(np.unravel_index(faces.face, grid.face_shape(axis)), axis=1)
+        beside = np.stack(np.unravel_index(faces.beside, grid.face_shape(axis)), axis=1)
+        found.append((where, beside, faces.share))
+    return found
+
+
+@pytest.mark.parametrize(("place", "beside", "share"), [(0.43, 3, 0.3), (0.45, 5, 0.5), (0.48, 5, 0.2)])
+def test_an_upright_front_off_the_lines(place, beside, share):
+    """The column that it cuts, along it only; the other medium is that which its centre does not lie in."""
+    across, along = shared(PLANE, ((place, -1.0), (2.0, 2.0)))
+    assert len(across[0]) == 0
+    assert along[0].tolist() == [[4, k] for k in range(10)]
+    assert along[1].tolist() == [[beside, k] for k in range(10)]
+    assert along[2] == pytest.approx(share, rel=1e-5)
+
+
+def test_a_front_on_the_lines_shares_no_face():
+    assert all(len(faces[0]) == 0 for faces in shared(PLANE, ((0.4, -1.0), (2.0, 2.0))))
+
+
+def test_ends_corners_and_thin_bodies():
+    """A bed whose end is off the lines, too, shares no face at its corner; a body within a cell is beside no rock."""
+    along, across = shared(PLANE, ((0.0, 0.0), (0.57, 0.33)))
+    assert along[0].tolist() == [[i, 3] for i in range(6)]
+    assert along[2] == pytest.approx(0.3, rel=1e-5)
+    assert across[0].tolist() == [[5, k] for k in range(3)]
+    assert across[2] == pytest.approx(0.3, rel=1e-5)
+    assert all(len(faces[0]) == 0 for faces in shared(PLANE, ((0.42, -1.0), (0.47, 2.0))))
+
+
+def test_around_a_periodic_axis_and_between_two_bodies():
+    """Two bodies that meet at 0.57, and clear water from 1.15 to the end, 1.2, where the first begins again."""
+    _, along = shared(ROUND, ((0.0, -1.0), (0.57, 2.0)), ((0.57, -1.0), (1.13, 2.0)))
+    column = along[0][:, 0]
+    assert np.unique(column).tolist() == [5, 11]
+    assert np.unique(along[1][column == 5, 0]).tolist() == [6]
+    assert along[2][column == 5] == pytest.approx(0.3, rel=1e-5)
+    assert np.unique(along[1][column == 11, 0]).tolist() == [10]
+    assert along[2][column == 11] == pytest.approx(0.3, rel=1e-5)
+
+
+def test_in_space_both_components_along_are_shared():
+    x, y, z = shared(SPACE, ((0.44, -1.0, -1.0), (2.0, 2.0, 2.0)))
+    assert len(x[0]) == 0
+    for where, _, share in (y, z):
+        assert np.unique(where[:, 0]).tolist() == [4]
+        assert share == pytest.approx(0.4, rel=1e-5)
