@@ -154,10 +154,11 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
   });
 }
 
-// Velocities where the inertia of the faces around a particle differs: linear from the faces, whatever the transfer,
-// and where nothing holds it with no more energy than they have there, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p =
-// sum_f w_fp J_f. (A face of much inertia and little speed beside one of little inertia and much speed makes energy
-// else, and so does what FLIP keeps.) affine (n, D, D): a gradient is kept to the share that is held; may be null.
+// Velocities where the inertia of the faces around a particle differs, on its own side of an interface or beyond:
+// linear from the faces that it sees, whatever the transfer, and where nothing holds it with no more energy than they
+// have there, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p = sum_f w_fp J_f. (A face of much inertia and little speed
+// beside one of little inertia and much speed makes energy else, and so does what FLIP keeps.) affine (n, D, D): a
+// gradient is kept to the share that is held; may be null.
 template <int D>
 inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFaces<D> velocity, const double* x,
                    double* u, double* affine) {
@@ -173,8 +174,13 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
       mean[a] += w * v;
       inertia[a] += w * J;
       energy[a] += w * J * v * v;
-      least[a] = std::min(least[a], J);
-      most[a] = std::max(most[a], J);
+    });
+    each_of<D>([&](auto a) {
+      st.template each<a>(stride[a], [&](index f, double, double) {
+        const double J = medium.table[medium.number[a][f]].inertia;
+        least[a] = std::min(least[a], J);
+        most[a] = std::max(most[a], J);
+      });
     });
     each_of<D>([&](auto a) {
       if (least[a] == most[a]) return;

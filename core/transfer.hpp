@@ -309,25 +309,57 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
   });
 }
 
+// The x (D,) nearest to 0 of those with the least x.Mx - 2 b.x, for the moments M (D, D) of some points in cells: by
+// elimination with the largest pivots, and none across directions in which the points do not differ.
+template <int D>
+inline void least_squares(double (&M)[D][D], double (&b)[D], double* x) {
+  constexpr double least = 1e-10;  // cells squared
+  int order[D], rank = 0;
+  for (int k = 0; k < D; ++k) order[k] = k, x[k] = 0.0;
+  for (; rank < D; ++rank) {
+    int best = rank;
+    for (int k = rank + 1; k < D; ++k)
+      if (M[order[k]][order[k]] > M[order[best]][order[best]]) best = k;
+    std::swap(order[rank], order[best]);
+    const int p = order[rank];
+    if (!(M[p][p] > least)) break;
+    for (int k = rank + 1; k < D; ++k) {
+      const int i = order[k];
+      const double share = M[i][p] / M[p][p];
+      for (int l = rank + 1; l < D; ++l) M[i][order[l]] -= share * M[p][order[l]];
+      b[i] -= share * b[p];
+    }
+  }
+  for (int k = rank; k-- > 0;) {
+    const int p = order[k];
+    double sum = b[p];
+    for (int l = k + 1; l < rank; ++l) sum -= M[p][order[l]] * x[order[l]];
+    x[p] = sum / M[p][p];
+  }
+}
+
 // APIC's velocity gradient of a particle beside an interface (D, D): that of the faces as it sees them, about their
-// centre and their mean.
+// centre and their mean, by least squares: what it would give back to them has no more energy than they have. (Where it
+// does not see all corners of a box, the moments along different axes are not independent, as they are elsewhere.)
 template <class K, int D>
 inline void affine_beside(const Grid<D>& g, const Stencil<K, D>& st, const Beside<K, D>& beside, ConstFaces<D> velocity,
                           double* affine) {
   const auto mean = beside.gather(velocity);
   const auto centre = centre_of_faces(g, st, beside);
-  double first[D][D] = {}, second[D][D] = {};
+  double first[D][D] = {}, second[D][D][D] = {};
   beside.each([&](auto a, index f, double w, double sign, const auto& k) {
     const auto r = st.template distance<a>(g, k);
+    double from[D];
+    for (int b = 0; b < D; ++b) from[b] = (r[b] - centre[a][b]) / g.h[b];
     for (int b = 0; b < D; ++b) {
-      const double from = r[b] - centre[a][b];
-      first[a][b] += w * (sign * velocity[a][f] - mean[a]) * from;
-      second[a][b] += w * from * from;
+      first[a][b] += w * (sign * velocity[a][f] - mean[a]) * from[b];
+      for (int c = 0; c < D; ++c) second[a][b][c] += w * from[b] * from[c];
     }
   });
-  for (int a = 0; a < D; ++a)
-    for (int b = 0; b < D; ++b)
-      affine[D * a + b] = second[a][b] > 1e-10 * g.h[b] * g.h[b] ? first[a][b] / second[a][b] : 0.0;
+  for (int a = 0; a < D; ++a) {
+    least_squares<D>(second[a], first[a], affine + D * a);
+    for (int b = 0; b < D; ++b) affine[D * a + b] /= g.h[b];
+  }
 }
 
 // APIC's velocity gradient (n, D, D), row a: C_ab = sum_f w u_f (x_f - x_p)_b / sum_f w (x_f - x_p)_b^2 (Jiang 2015).

@@ -280,14 +280,14 @@ def settle(flow: Flow, transfer: Transfer) -> None:
 
 
 @contextmanager
-def _crossing(flow: Flow, dt: float) -> Iterator[None]:
+def _crossing(flow: Flow, dt: float, spare: FloatArray | None = None) -> Iterator[None]:
     """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
-    and turn as C_r changes.
+    and turn as C_r changes. spare (N, d): a place that the motion leaves alone, that of the work space if None.
     """
     if not flow.porous:
         yield
         return
-    p, before = flow.particles, flow.work.spare
+    p, before = flow.particles, flow.work.spare if spare is None else spare
     _core.energy_factor(p.volume, flow.bulk, flow.inertia, before)
     yield
     flow.sample_medium()
@@ -379,5 +379,6 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity, position = flow.listed("particle_porosity"), flow.particles.position
     before = _near_crests(flow, position)
-    _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)
+    with _crossing(flow, 0.0, np.empty_like(position)):  # the displacement lies in the work space
+        _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)
     _book_crossings(flow, before)
