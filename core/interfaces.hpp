@@ -11,9 +11,6 @@
 
 namespace houle {
 
-// Share of the weights of an axis that must be on a particle's side; with less there is nothing to choose from.
-constexpr double least_own = 0.01;
-
 // The interface nearest to the centre of a cell, as a plane, and the media on both of its sides.
 template <int D>
 struct Interface {
@@ -48,13 +45,14 @@ struct Interfaces {
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
   // Whether a face of axis a lies on the side of that medium.
   bool is_own(int a, index f, double side) const { return medium[a][f] == side || medium[a][f] < 0; }
-  // weight (count): of faces of axis a, of sum 1, becomes what a particle at x beside that interface sees of them.
+  // weight (count): of the linear kernel for faces of axis a, becomes what a particle at x beside that interface sees
+  // of them.
   void own(int a, const Interface<D>& at, const double* x, int count, const index* face, double* weight) const {
     if (at.across(a)) return;
     const double side = at.side(x);
     double sum = 0.0;
     for (int k = 0; k < count; ++k) sum += is_own(a, face[k], side) ? weight[k] : 0.0;
-    if (!(sum > least_own)) return;
+    if (!(sum > LinearKernel::least_own)) return;
     for (int k = 0; k < count; ++k) weight[k] = is_own(a, face[k], side) ? weight[k] / sum : 0.0;
   }
 };
@@ -76,7 +74,7 @@ class Beside {
         own += is_own(a, f) ? w : 0.0;
       });
       total_[a] = 1.0 / all;
-      own_[a] = !at->across(a) && own > least_own * all ? 1.0 / own : 0.0;
+      own_[a] = !at->across(a) && own > K::least_own * all ? 1.0 / own : 0.0;
       cut_ = cut_ || (own != all && own_[a] > 0.0);
     });
   }

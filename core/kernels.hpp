@@ -3,9 +3,11 @@
 // A kernel has `width` nodes per axis. Along one axis a particle at index coordinate s (node i at i) reaches the nodes
 // first(s) .. first(s) + width - 1. weights() writes their weights w; the Taylor Gaussian also writes the second-moment
 // terms q, its weight in d dimensions being prod_a w_a (1 + sum_a q_a), paper eqs (8)-(11). `side` is the particle's
-// edge length in units of the spacing of that axis, dx_p / (h n^(1/d)): only the Gaussians use it.
+// edge length in units of the spacing of that axis, dx_p / (h n^(1/d)): only the Gaussians use it. least_own: share of
+// the weights of an axis that must be on a particle's side of an interface; with less there is nothing to choose from.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
@@ -18,6 +20,7 @@ struct LinearKernel {  // tent: partition of unity, reproduces degree 1
   static constexpr int width = 2;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;  // the weights sum to 1 for any s
+  static constexpr double least_own = 0.01;
   static index first(double s) { return floor_index(s); }
   static void weights(double s, index i0, double, double* w, double*) {
     const double f = s - static_cast<double>(i0);
@@ -30,6 +33,7 @@ struct QuadraticKernel {  // quadratic B-spline: C1, reproduces degree 1
   static constexpr int width = 3;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;
+  static constexpr double least_own = 0.01;
   static index first(double s) { return floor_index(s + 0.5) - 1; }
   static void weights(double s, index i0, double, double* w, double*) {
     const double f = s - static_cast<double>(i0 + 1);  // in [-1/2, 1/2)
@@ -43,6 +47,7 @@ struct M4PrimeKernel {  // Monaghan (1985), paper eq. (7) as a tensor product: r
   static constexpr int width = 4;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;
+  static constexpr double least_own = 0.5;  // their sum may be small where they are not
   static double value(double r) {
     const double s = std::abs(r);
     if (s < 1.0) return 1.0 - s * s * (2.5 - 1.5 * s);
@@ -60,6 +65,7 @@ struct M4PrimeKernel {  // Monaghan (1985), paper eq. (7) as a tensor product: r
 struct GaussianBase {
   static constexpr int width = 6;
   static constexpr bool normalised = false;
+  static constexpr double least_own = 0.01;
   static constexpr double sigma = 0.6;
   static index first(double s) { return floor_index(s) - 2; }
 };
@@ -74,10 +80,13 @@ struct GaussianKernel : GaussianBase {  // the particle is a point
   }
 };
 
-struct GaussianTaylorKernel : GaussianBase {  // the particle is a square of edge `side`, to second order: (10)-(11)
+// The particle is a square of edge `side`, to second order: (10)-(11). One wider than 1.7 cells counts as one of 1.7:
+// its series has negative weights, whose sum may vanish while the momentum that they carry does not.
+struct GaussianTaylorKernel : GaussianBase {
   static constexpr bool taylor = true;
+  static constexpr double widest = 1.0 / 3.0;  // of the moment: 1 + sum_a q_a >= 0 on three axes
   static void weights(double s, index i0, double side, double* w, double* q) {
-    const double moment = side * side / 24.0 / (sigma * sigma);  // (1/2) M20 / M00, times W_xx / W below
+    const double moment = std::min(side * side / 24.0 / (sigma * sigma), widest);  // (1/2) M20 / M00, times W_xx / W
     for (int k = 0; k < width; ++k) {
       const double r = (s - static_cast<double>(i0 + k)) / sigma;
       w[k] = std::exp(-0.5 * r * r);

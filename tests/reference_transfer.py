@@ -38,8 +38,8 @@ def gaussian(r, side):
 
 
 def gaussian_taylor2(r, side):
-    """Paper (10), (11): W + M20/M00 W''/2, with the moment M20/M00 = side^2/12 of a square."""
-    return gaussian(r, side)[0], side**2 / 24.0 * ((r / SIGMA) ** 2 - 1.0) / SIGMA**2
+    """Paper (10), (11): W + M20/M00 W''/2, with the moment M20/M00 = side^2/12 of a square, 1.7 cells wide at most."""
+    return gaussian(r, side)[0], min(side**2 / 24.0 / SIGMA**2, 1.0 / 3.0) * ((r / SIGMA) ** 2 - 1.0)
 
 
 def gaussian_cell(r, side):

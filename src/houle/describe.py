@@ -67,7 +67,8 @@ KERNELS: Rows = {
     ),
     "gaussian": ("Gaussian at the particle's centre.", f"{PAPER}, (8)"),
     "gaussian-taylor2": (
-        "Gaussian with the second moments of the particle's own square, of side dx/n^(1/d), by a Taylor series.",
+        "Gaussian with the second moments of the particle's own square, of side dx/n^(1/d), by a Taylor series; one "
+        "wider than 1.7 cells counts as one of 1.7, beyond which the series has negative weights.",
         f"{PAPER}, (8)-(11); after Beaudoin, Huberson & Rivoalen (2003)",
     ),
     "gaussian-cell": (

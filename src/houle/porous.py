@@ -27,6 +27,9 @@ FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
 NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
+SLIT = (
+    0.1  # so is one in a slit: through a face so little open pressure drives water of a whole cell, which cannot pass
+)
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,7 @@ class Medium:
                           to points beside a solid sees no clear water inside it (the same holds for the next three)
         particle_porosity n at the cell centres, between which that of the particles is linear: such that water
                           which fills it fills the tents as it does the pores of the structure (decision 0010)
-        open_cells        open fraction of the volume, 0 where less than `CLOSED`
+        open_cells        open fraction of the volume, 0 where less than `CLOSED` and in slits (`SLIT`)
         energy            C_r / n^2 as <C_r / n> / <n>: that of water that fills the pores of the cell with one u_d
         coefficient       <C_r>
         contrast          largest over least C_r / n^2 of the open cells `NEAR` each way; 1: no interface near
@@ -94,12 +97,13 @@ class Medium:
         porosities = [b.porosity for b in bodies]
 
         cells = _Mean(solid, inside, [over_cells] * grid.dimension)
-        open_cells = np.where(cells.open < CLOSED, 0.0, cells.open)
+        covered = covered_faces(grid, sections)
+        open_cells = np.where((cells.open < CLOSED) | _slits(grid, cells.open, covered), 0.0, cells.open)
         inertias = [b.inertia for b in bodies]
         factor = cells.of([c / n for c, n in zip(inertias, porosities, strict=True)], 1.0) / cells.of(porosities, 1.0)
         energy, coefficient = (_extend(field, open_cells, grid.periodic) for field in (factor, cells.of(inertias, 1.0)))
         contrast = _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
-        open_faces = _open_faces(grid, open_cells, sections)
+        open_faces = _open_faces(grid, open_cells, covered)
         outline = Outline.of(grid, solids)
         body = _index_bodies(grid, parts)
         interfaces = Interfaces.of(grid, parts, bodies, body)
@@ -266,9 +270,25 @@ def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray
     return np.repeat(number.ravel().astype(np.int32), runs).reshape(fields[0].shape), table
 
 
-def _open_faces(grid: Grid, open_cells: FloatArray, solids: Sequence[tuple[Span, shapely.Geometry]]) -> SingleFaces:
+def _slits(grid: Grid, open_cells: FloatArray, covered: Faces) -> NDArray[np.bool_]:
+    """Cells less open than `SLIT` that water can reach from others only through faces less open than that."""
+    wide = [np.moveaxis(1.0 - share >= SLIT, axis, 0).copy() for axis, share in enumerate(covered)]
+    for faces, wraps in zip(wide, grid.periodic, strict=True):
+        faces[[0, -1]] &= wraps  # walls of the tank are closed
+    narrow, reached = open_cells < SLIT, True
+    while reached:
+        found = np.zeros_like(narrow)
+        for axis, (faces, wraps) in enumerate(zip(wide, grid.periodic, strict=True)):
+            water = ~widened(narrow, axis, wraps)
+            found |= np.moveaxis((faces[:-1] & water[:-2]) | (faces[1:] & water[2:]), 0, axis)
+        found &= narrow
+        narrow, reached = narrow & ~found, bool(found.any())
+    return narrow
+
+
+def _open_faces(grid: Grid, open_cells: FloatArray, covered: Faces) -> SingleFaces:
     """1 - covered fraction; 0 where that is tiny, or beside a closed cell."""
-    faces = [1.0 - covered for covered in covered_faces(grid, solids)]
+    faces = [1.0 - share for share in covered]
     for axis, face in enumerate(faces):
         wide = widened(open_cells, axis, grid.periodic[axis])
         beside = np.moveaxis(np.minimum(wide[:-1], wide[1:]), 0, axis)

@@ -40,7 +40,7 @@ class Conservative:
     (Medium.body). Between the centres of the cells the porosity is linear; where it varies the nodes around a particle
     receive in proportion to that of their half cells, so that water which fills the pores goes on filling them.
     outline: of the solids, None: none. interfaces: along which each side hands on its own velocity (docs/theory.md,
-    section 8).
+    section 8); with_water: the same remeshing for what goes with the water itself.
 
     Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so the potential energy; what would
     have left the tank or entered a solid is made good by those around it. Around a periodic axis x is known up to its

@@ -229,7 +229,10 @@ class Simulation:
         return min(case.courant * crossed, self.viscous_step)
 
     def _place_gates(self) -> None:
-        """Closes the faces that the gates cover at the present time."""
+        """Closes the faces that the gates cover at the present time. Their lower edges stand on the nearest grid line.
+
+        Through a face that is a little open the pressure would drive the water of a whole cell, which cannot pass.
+        """
         flow, gates = self.flow, self.case.gate
         if not gates:
             return
@@ -238,9 +241,9 @@ class Simulation:
         for gate in gates:
             face = round(gate.x / h[0])
             bottom = max(0.0, (self.time - gate.start) * gate.speed)
-            free = np.clip(bottom / h[up] - np.arange(flow.grid.shape[up]), 0.0, 1.0)
-            across[face] *= np.where(free > 1e-3, free, 0.0)
-            rows.append((face * h[0], bottom))
+            free = math.floor(bottom / h[up] + 0.5)  # rows
+            across[face][..., free:] = 0.0
+            rows.append((face * h[0], free * h[up]))
         flow.open_faces, flow.gates = [across, *self.medium.open_faces[1:]], np.array(rows)
 
     def _check(self, largest: float) -> None:

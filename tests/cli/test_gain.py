@@ -17,10 +17,14 @@ CASE = """
 case = {name = "column"}
 domain = {size = [0.4, 0.24], spacing = 0.02}
 water = [{box = [[0.0, 0.0], [0.14, 0.16]]}]
-porous = [{box = [[0.2, 0.0], [0.3, 0.14]], porosity = 0.49, grain_diameter = 0.0159, resistance = {law = "van-gent-1995"}}]
 time = {end = 0.2}
 output = {every = 0.05}
 numerics = {transfer = "TRANSFER"}
+[[porous]]
+box = [[0.2, 0.0], [0.3, 0.14]]
+porosity = 0.49
+grain_diameter = 0.0159
+resistance = {law = "van-gent-1995"}
 """
 # From 0.1 s on every projection, of the core, leaves the faces faster than it found them.
 SCRIPT = """
@@ -62,13 +66,13 @@ def test_a_gain_of_energy_ends_the_run_with_status_3_and_a_bundle(tmp_path, tran
     folder = tmp_path / "out" / "failure"
     text = " ".join((folder / "diagnosis.txt").read_text(encoding="utf-8").split())
     found = re.match(
-        r"Step (\d+), t = ([\d.]+) s at \(([\d.]+), ([\d.]+)\) m: the water has gained energy: ([\d.]+) J per metre of "
-        r"width in motion, where at most ([\d.]+) were to be had; the fastest water moves at ([\d.]+) m/s\.",
+        r"Step (\d+), t = ([\d.]+) s at \(([\d.]+), ([\d.]+)\) m: the water has gained energy: ([\d.]+) J per metre "
+        r"of width in motion, where at most ([\d.]+) were to be had; the fastest water moves at ([\d.]+) m/s\.",
         text,
     )
     assert found, text
     step, time, x, z, moving, available, speed = map(float, found.groups())
-    volume, width = 0.14 * 0.16, 0.3 + 0.1 * 0.49  # of the column, which can fall to a flat pool in the room there is
+    volume, width = 0.14 * 0.16, 0.3 + 0.1 * 0.49  # of the column, which can fall to a flat pool
     assert available == pytest.approx(9810.0 * (volume * 0.08 - 0.5 * volume**2 / width), rel=0.005)
     assert moving > 1.05 * available and 0.1 < time < 0.2 and step > 1
     record = json.loads((folder / "worst.json").read_text())

@@ -119,7 +119,7 @@ def test_transfers_are_transposes():
 
 @pytest.mark.parametrize("name", ["slope", "corner in 3D", "off the lines"])
 def test_the_gradient_of_a_particle_has_no_more_energy_than_the_faces_it_sees(name):
-    """APIC: by least squares, where they are not all corners of a box. One number at a time gave up to 2.25 times it."""
+    """APIC: by least squares, where they are not all corners of a box. One by one they had up to 2.25 times it."""
     cloud = Cloud(name, "linear")
     random = np.random.default_rng(5)
     v = [random.normal(size=u.shape) for u in cloud.grid.faces()]
@@ -158,7 +158,7 @@ def test_the_mass_matrix_gives_what_passes_over_the_particles_give(name):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_beside_an_interface_particles_settle_as_far_as_inertia_differs_around_them(name):
-    """Whatever they see of it: none keeps what FLIP or a gradient had, and carries it across. Nothing holds them here."""
+    """Whatever they see of it: none carries across what FLIP or a gradient kept. Nothing holds them here."""
     cloud, random = Cloud(name, "linear"), np.random.default_rng(1)
     medium = Medium.build(cloud.grid, [PorousBody("rock", cloud.shape, **ROCK)])
     v = [random.normal(size=u.shape) for u in cloud.grid.faces()]

@@ -246,3 +246,35 @@ def test_the_porosity_of_particles_stays_well_above_nothing_beside_tight_bodies(
     grid = Grid((8, 8), (1.0, 1.0), (False, False))
     medium = Medium.build(grid, [PorousBody("core", Box((3.0, 0.0), (6.0, 8.0)), 0.1)])
     assert medium.particle_porosity.min() >= 0.05 - ROUND_OFF
+
+
+@pytest.mark.parametrize("width", [0.02, 0.09, 0.12, 0.3])
+@pytest.mark.parametrize("line", [0.0, 0.4, 0.36], ids=["floor", "on a grid line", "in a row"])
+@pytest.mark.parametrize("upright", [False, True])
+def test_slits_thinner_than_a_tenth_of_a_cell_are_closed(width, line, upright):
+    """In cells of 0.1: along the floor, on both sides of a grid line, or in one row of cells; what is wider is open."""
+    grid = Grid((12, 12), (0.1, 0.1), (False, False))
+    start = line if line == 0.0 else line - 0.05 * width
+    solids = [((0.35, 0.0), (0.83, start)), ((0.35, start + 0.1 * width), (0.83, 0.8))]
+    solids = [(low[:: -1 if upright else 1], high[:: -1 if upright else 1]) for low, high in solids if high[1] > 0.0]
+    medium = Medium.build(grid, solids=[Box(*ends) for ends in solids])
+    across, cells = medium.open_faces[1 if upright else 0], medium.open_cells
+    across, cells = (across.T, cells.T) if upright else (across, cells)
+    shares = [0.5 * width, 0.5 * width] if line == 0.4 else [width]
+    passage = across[4:9, :8].sum(axis=1)
+    expected = 0.0 if max(shares) < 0.1 else width
+    assert passage == pytest.approx(expected, abs=1e-6)
+    assert np.all((cells[4:8, :8].sum(axis=1) > 0.0) == (expected > 0.0))
+
+
+@pytest.mark.parametrize(
+    "corners", [[(0.0, 0.0), (1.2, 0.0), (1.2, 0.495), (0.0, 0.495)], [(0, 0), (1.2, 0), (1.2, 0.93)]]
+)
+def test_a_thin_sheet_of_open_cells_over_a_solid_is_no_slit(corners):
+    """Water reaches it from above, through all of its length; and so the corners that a slope leaves."""
+    grid, solid = Grid((12, 10), (0.1, 0.1), (False, False)), shapely.Polygon(corners)
+    cells = [[shapely.box(0.1 * i, 0.1 * k, 0.1 * i + 0.1, 0.1 * k + 0.1) for k in range(10)] for i in range(12)]
+    whole = 1.0 - shapely.area(shapely.intersection(np.array(cells), solid)) / 0.01
+    expected = np.where(whole < CLOSED, 0.0, whole)
+    assert Medium.build(grid, solids=[Polygon(solid, 2)]).open_cells == pytest.approx(expected, abs=1e-9)
+    assert np.any((expected > 0.0) & (expected < 0.1))

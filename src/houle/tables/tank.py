@@ -254,7 +254,7 @@ class Porous(Shape):
 
 
 class Gate(Table):
-    """[[gate]]: a thin plate across the domain at x, lifted. It stands on the nearest face of the grid."""
+    """[[gate]]: a thin plate across the domain at x, lifted. It and its lower edge stand on the nearest grid lines."""
 
     x: float = Field(description="position [m]")
     speed: float = Field(gt=0, le=100, description="upward speed of its lower edge [m/s]")
