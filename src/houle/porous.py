@@ -27,9 +27,7 @@ FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
 NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
-SLIT = (
-    0.1  # so is one in a slit: through a face so little open pressure drives water of a whole cell, which cannot pass
-)
+SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
 
 
 @dataclass(frozen=True)
