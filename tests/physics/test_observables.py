@@ -417,7 +417,8 @@ def test_the_volume_over_a_tight_crest_is_that_of_the_particles():
 
 
 def test_what_seeps_below_the_level_is_not_counted():
-    """The faces say the same of the whole; of its parts to what the particles mix over half a cell at the crest."""
+    """The faces say the same of the whole, to the 3 % of a solid crest; of its parts to what the particles mix over half
+    a cell at the crest."""
     sim = spill("porous")
     seeped = over = 0.0
     while sim.time < 0.8:
@@ -427,7 +428,7 @@ def test_what_seeps_below_the_level_is_not_counted():
         over += sim.step_size * sample["discharge"][2]
     everything, above, _ = sample["overtopping_volume"]
     assert seeped > 0.1 * everything
-    assert everything == pytest.approx(seeped + over, rel=0.01)
+    assert everything == pytest.approx(seeped + over, rel=0.03)
     assert everything - above == pytest.approx(seeped, rel=0.1)
     assert above == pytest.approx(over, rel=0.1)
 
