@@ -490,20 +490,35 @@ static void bind_crossing(nb::module_& m) {
   define(
       m, "carry",
       [](G g, FaceNumbers number, Given table, ListedField contrast, GivenMasks held, ListedField coefficient,
-         double dt, Given x, Given volume, Given bulk, Array<const float> inertia, Given before, Field u) {
+         double dt, Given x, Given volume, Given bulk, Array<const float> inertia, Given before, Field u,
+         OptionalListed lag) {
         const auto at = points<D>(x, "position");
         const auto medium = crossing_of<D>(g, number, table, contrast, &held);
-        const Listed C = listed_of(g, coefficient, "coefficient");
+        const Listed C = listed_of(g, coefficient, "coefficient"), behind = listed_of(g, lag, "lag");
         const double *v = entries(volume, at.n, "volume"), *b = entries(bulk, at.n, "bulk"),
                      *s2 = entries(before, at.n * D, "before");
         const float* J = entries(inertia, at.n * D, "inertia");
         double* uu = entries(u, at.n * D, "u");
         nb::gil_scoped_release release;
-        carry<D>(g, at.n, medium, C, dt, at.data, v, b, J, s2, uu);
+        carry<D>(g, at.n, medium, C, behind, dt, at.data, v, b, J, s2, uu);
       },
       "grid"_a, "number"_a, "table"_a, "contrast"_a, "held"_a, "coefficient"_a, "dt"_a, "position"_a, "volume"_a,
-      "bulk"_a, "inertia"_a, "before"_a, "u"_a,
+      "bulk"_a, "inertia"_a, "before"_a, "u"_a, "lag"_a = nb::none(),
       "Velocities of particles that nothing holds, with the energy they had.");
+  define(
+      m, "fall_behind",
+      [](G g, FaceNumbers number, Given table, ListedField contrast, GivenMasks held, ListedField lag,
+         ListedField porosity, Givens velocity, double dt, Fields change, OptionalInterfaces interfaces) {
+        const auto medium = crossing_of<D>(g, number, table, contrast, &held, interfaces);
+        const Listed behind = listed_of(g, lag, "lag"), pores = listed_of(g, porosity, "porosity");
+        const auto u = faces(g, velocity, "velocity");
+        const auto out = faces(g, change, "change");
+        nb::gil_scoped_release release;
+        fall_behind<D>(g, medium, behind, pores, u, dt, out);
+      },
+      "grid"_a, "number"_a, "table"_a, "contrast"_a, "held"_a, "lag"_a, "porosity"_a, "velocity"_a, "dt"_a, "change"_a,
+      "interfaces"_a = nb::none(),
+      "Change of the velocity on faces as momentum moves with less than the velocity of the water.");
   define(
       m, "cell_energy",
       [](G g, GivenMask near, Given x, Given bulk, Array<const float> inertia, Given u, Field out) {

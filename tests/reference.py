@@ -291,6 +291,32 @@ def move(grid, u, porosity, solid, gates, dt, position):
     return new
 
 
+def fall_behind(grid, u, inertia, held, lag, porosity, dt):
+    """What momentum that moves with 1 - lag of the velocity of the water changes on the faces while that moves for dt.
+
+    inertia: of the faces, equal where the medium is the same; lag, porosity: cells. The velocity found at the end of
+    `lag` of the way minus the one here: by M4' in one medium, else linear, between media in the share that is held.
+    """
+    change = grid.faces()
+    for a, field in enumerate(u):
+        for i in np.ndindex(*grid.face_shape(a)):
+            x = y = (np.array(i) + 0.5 * (np.arange(grid.dimension) != a)) * grid.spacing
+            share = cell_value(grid, lag, x)
+            if not share > 0.0:
+                continue
+            for time in (0.5 * dt, dt):
+                way = time * share / cell_value(grid, porosity, y) * face_velocity(grid, u, y)
+                y = bring_into_tank(grid, x + way)
+            node, w, sign, _ = stencil(grid, "m4prime", a, y)
+            part = 1.0
+            if np.any(inertia[a][node] != inertia[a][i]):
+                node, w, sign, _ = stencil(grid, "linear", a, y)
+                if np.any(inertia[a][node] != inertia[a][i]):
+                    part = min(held[a][i], w @ held[a][node])
+            change[a][i] = part * (w * sign @ field[node] - field[i])
+    return change
+
+
 def displace(grid, displacement, porosity, solid, gates, limit, position):
     """Moved by displacement / n, at most `limit` cells along each axis."""
     new = np.empty_like(position)

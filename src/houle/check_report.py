@@ -66,7 +66,8 @@ def _passport(p: Passport) -> Table:
     grain = f", d50 = {p.grain_diameter * 1000:g} mm" if p.grain_diameter else ""
     table.add_row("law", escape(p.words))
     table.add_row("source", escape(f"{p.source}; {p.status}" if p.status else p.source))
-    table.add_row("material", f"n = {p.porosity:g}{grain}, C_r = {p.inertia:.4g}")
+    alone = " before du/dt alone" if p.added_mass_on == "rate" else ""
+    table.add_row("material", f"n = {p.porosity:g}{grain}, C_r = {p.inertia:.4g}{alone}")
     table.add_row("drag per unit mass", f"a u_d + b |u_d| u_d with a = {p.a:.4g} 1/s, b = {p.b:.4g} 1/m")
     if p.period is not None:
         table.add_row("to and fro", _to_and_fro(p))

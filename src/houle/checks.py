@@ -114,7 +114,7 @@ def bodies_agree(s: Section) -> Iterator[Finding]:
     for i, one in enumerate(s.porous):
         for other in s.porous[:i]:
             common, (x0, z0, x1, z1) = s.overlap([one], [other])
-            alike = ("porosity", "grain_diameter", "resistance", "added_mass")
+            alike = ("porosity", "grain_diameter", "resistance", "added_mass", "added_mass_on")
             unlike = next((k for k in alike if getattr(one.entry, k) != getattr(other.entry, k)), None)
             if common > s.speck and unlike:
                 a, b = getattr(other.entry, unlike), getattr(one.entry, unlike)

@@ -107,7 +107,9 @@ RESISTANCE = """Drag per unit mass of water: a u_d + b |u_d| u_d, with the Darcy
 own powers of n. Below, d is the grain_diameter d50, nu the viscosity, KC the Keulegan-Carpenter number. A law with a
 period takes that of [waves] (T_m-1,0 of seas) unless the case gives period or kc: its share 7.5/KC is then linear.
 Or directly: resistance = {a = ..., b = ...}, or {permeability = ..., forchheimer = ...}; a = nu/K_p, b = C_f/sqrt(K_p).
-Inertia: C_r = 1 + added_mass (1-n)/n; 0.34: van Gent (1995)."""
+Inertia: C_r = 1 + added_mass (1-n)/n; 0.34: van Gent (1995). added_mass_on = "motion": before all of Du/Dt; energy is
+conserved, p + rho C_r u^2/2 continuous. "rate": before du/dt at a place alone (Jensen, Jacobsen & Christensen 2014);
+p + rho u^2/2 is continuous, and water that enters a body without friction gains energy. u is the pore velocity."""
 
 
 def resistance(console: Console) -> None:

@@ -126,6 +126,11 @@ class Flow:
         """The medium as the core takes it for particles that cross from one porosity to another."""
         return self.medium.material, self.medium.materials, self.medium.listed("contrast")
 
+    @property
+    def lag(self) -> tuple[NDArray[np.int32], FloatArray] | None:
+        """1 - K/C_r of the cells as the core takes it; None if the added mass stands before all of Du/Dt everywhere."""
+        return self.medium.listed("lag") if "lag" in self.medium.kinds else None
+
     @cached_property
     def edges(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
         """Faces of each axis that have another inertia than one beside them, and those beside them (K, 2 d): flat."""

@@ -66,13 +66,13 @@ class Interfaces(NamedTuple):
         return cls(number, np.ascontiguousarray(planes), medium)
 
 
-Kind = tuple[float, float, float, float]  # a, b, n, C_r of a medium
+Kind = tuple[float, float, float, float, float]  # a, b, n, C_r and K of a medium
 
 
 def number_media(bodies: Sequence[PorousBody]) -> tuple[NDArray[np.int8], list[Kind]]:
-    """Of each body the number of its medium, those that resist more later; a, b, n and C_r of each medium."""
-    clear, kinds = (0.0, 0.0, 1.0, 1.0), [(b.a, b.b, b.porosity, b.inertia) for b in bodies]
-    media = sorted({clear, *kinds}, key=lambda m: (m != clear, m[0], m[1], -m[2], m[3]))
+    """Of each body the number of its medium, those that resist more later; a, b, n, C_r and K of each medium."""
+    clear, kinds = (0.0, 0.0, 1.0, 1.0, 1.0), [(b.a, b.b, b.porosity, b.inertia, b.convective) for b in bodies]
+    media = sorted({clear, *kinds}, key=lambda m: (m != clear, m[0], m[1], -m[2], *m[3:]))
     return np.array([media.index(kind) for kind in kinds], np.int8), media
 
 
@@ -234,7 +234,7 @@ def stand_along(
     if not bodies or interfaces is None:
         return material, materials, []
     media, kinds = number_media(bodies)
-    pure = np.array([[inertia / n, a, b] for a, b, n, inertia in kinds])
+    pure = np.array([[inertia / n, a, b] for a, b, n, inertia, _ in kinds])
     sections = [_Section.of(grid, part, media) for part in parts]
     numbers, shared = [], []
     for axis, number in enumerate(material):

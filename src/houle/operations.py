@@ -15,7 +15,7 @@ from houle.interfaces import Shared
 from houle.ledger import Ledger
 from houle.paddle import place as place_paddles
 from houle.sides import OpenSide
-from houle.transfer import Transfer
+from houle.transfer import Transfer, interpolate
 from houle.waves.makers import Maker
 
 LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
@@ -280,25 +280,48 @@ def settle(flow: Flow, transfer: Transfer) -> None:
 
 
 @contextmanager
-def _crossing(flow: Flow, dt: float, spare: FloatArray | None = None) -> Iterator[None]:
+def _crossing(flow: Flow, dt: float, behind: float, spare: FloatArray | None = None) -> Iterator[None]:
     """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
-    and turn as C_r changes. spare (N, d): a place that the motion leaves alone, that of the work space if None.
+    and turn as C_r changes. behind: time [s] in which momentum falls behind where added mass is on the rate alone;
+    spare (N, d): a place that the motion leaves alone, that of the work space if None.
     """
     if not flow.porous:
         yield
         return
     p, before = flow.particles, flow.work.spare if spare is None else spare
     _core.energy_factor(p.volume, flow.bulk, flow.inertia, before)
+    _use_convective(flow, before)
+    change = _fall_behind(flow, behind) if flow.lag and behind > 0.0 else None
     yield
+    if change is not None:
+        p.velocity += change
     flow.sample_medium()
     medium = (*flow.crossing, flow.held, flow.medium.listed("coefficient"))
     state = (p.position, p.volume, flow.bulk, flow.inertia, before)
-    _core.carry(flow.grid.core, *medium, dt, *state, p.velocity)
+    _core.carry(flow.grid.core, *medium, dt, *state, p.velocity, flow.lag)
+
+
+def _use_convective(flow: Flow, before: FloatArray) -> None:
+    """s^2 of the particles (N, d) with K instead of C_r."""
+    if flow.lag is None:
+        return
+    share, (number, lag) = np.empty(len(before)), flow.lag
+    _core.gather_cells(flow.grid.core, flow.particles.position, lag[number], share)
+    before *= 1.0 - share[:, None]
+
+
+def _fall_behind(flow: Flow, dt: float) -> FloatArray:
+    """Change of the velocities (N, d) as momentum moves with K/C_r of the velocity of the water."""
+    medium = (*flow.crossing, flow.held, flow.lag, flow.listed("particle_porosity"))
+    on_faces, change = flow.grid.faces(), np.empty_like(flow.particles.velocity)
+    _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.medium.interfaces)
+    interpolate(flow, on_faces, change)
+    return change
 
 
 def move(flow: Flow, dt: float) -> None:
     """Particles along the pore velocity of the grid, midpoint rule."""
-    with _crossing(flow, dt):
+    with _crossing(flow, dt, dt):
         _move(flow, dt)
 
 
@@ -313,9 +336,11 @@ def _move(flow: Flow, dt: float) -> None:
 
 
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
-    """Particles from `start` with velocities of their own. Without a porosity, a second time: the turn is done."""
+    """Particles from `start` with velocities of their own. Without a porosity, a second time: the turn is done, and the
+    velocities on the grid are those of this step.
+    """
     position, m = flow.particles.position, flow.medium
-    with _crossing(flow, 0.0 if porosity is None else dt):
+    with _crossing(flow, *((dt, 0.0) if porosity is not None else (0.0, dt))):
         _core.drift(flow.grid.core, start, velocity, porosity, m.outline, flow.gates, dt, position, flow.walls)
 
 
@@ -379,6 +404,6 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity, position = flow.listed("particle_porosity"), flow.particles.position
     before = _near_crests(flow, position)
-    with _crossing(flow, 0.0, np.empty_like(position)):  # the displacement lies in the work space
+    with _crossing(flow, 0.0, 0.0, np.empty_like(position)):  # the displacement lies in the work space
         _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)
     _book_crossings(flow, before)

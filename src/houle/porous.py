@@ -5,7 +5,8 @@ piecewise constant property over cells, over one-cell boxes around faces, or wit
 Where shapes overlap, a solid replaces a porous body, and a porous body replaces those before it in the case.
 Resistance per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d; the acceleration is C_r Du/Dt with
 u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force C_r / n^2, the kinetic energy of water at
-a given Darcy velocity.
+a given Darcy velocity. K is C_r of what the convective acceleration sees: C_r, or 1 where the added mass stands before
+the local one alone.
 """
 
 from __future__ import annotations
@@ -40,6 +41,12 @@ class PorousBody:
     a: float = 0.0  # [1/s]
     b: float = 0.0  # [1/m]
     inertia: float = 1.0  # C_r
+    on_rate: bool = False  # whether the added mass stands before du/dt alone, and not before (u . grad) u
+
+    @property
+    def convective(self) -> float:
+        """K, the coefficient of the convective acceleration."""
+        return 1.0 if self.on_rate else self.inertia
 
 
 @dataclass(frozen=True)
@@ -53,10 +60,12 @@ class Medium:
         particle_porosity n at the cell centres, between which that of the particles is linear: such that water
                           which fills it fills the tents as it does the pores of the structure (decision 0010)
         open_cells        open fraction of the volume, 0 where less than `CLOSED` and in slits (`SLIT`)
-        energy            C_r / n^2 as <C_r / n> / <n>: that of water that fills the pores of the cell with one u_d
-        coefficient       <C_r>
-        contrast          largest over least C_r / n^2 of the open cells `NEAR` each way; 1: no interface near
+        energy            K / n^2 as <K / n> / <n>: that of water that fills the pores of the cell with one u_d
+        coefficient       <K>
+        contrast          largest over least K / n^2 of the open cells `NEAR` each way, that of C_r / n^2 if it is more;
+                          1: no interface near
         uniform           C_r / n where it and the porosity of particles are those of all cells around, else 0
+        lag               1 - <K> / <C_r>; only where K is not C_r in some body
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed; in single precision
     material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
@@ -97,10 +106,19 @@ class Medium:
         cells = _Mean(solid, inside, [over_cells] * grid.dimension)
         covered = covered_faces(grid, sections)
         open_cells = np.where((cells.open < CLOSED) | _slits(grid, cells.open, covered), 0.0, cells.open)
-        inertias = [b.inertia for b in bodies]
-        factor = cells.of([c / n for c, n in zip(inertias, porosities, strict=True)], 1.0) / cells.of(porosities, 1.0)
-        energy, coefficient = (_extend(field, open_cells, grid.periodic) for field in (factor, cells.of(inertias, 1.0)))
-        contrast = _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
+
+        def of(coefficients: Sequence[float]) -> tuple[FloatArray, ...]:
+            """K/n^2 of the cells for these K of the bodies, K itself, and the contrast."""
+            over_n = [k / n for k, n in zip(coefficients, porosities, strict=True)]
+            factor = cells.of(over_n, 1.0) / cells.of(porosities, 1.0), cells.of(coefficients, 1.0)
+            energy, mean = (_extend(field, open_cells, grid.periodic) for field in factor)
+            return energy, mean, _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
+
+        energy, coefficient, contrast = of([b.convective for b in bodies])
+        lag = {}
+        if any(b.convective != b.inertia for b in bodies):
+            _, inertia, other = of([b.inertia for b in bodies])
+            contrast, lag = np.maximum(contrast, other), {"lag": 1.0 - coefficient / inertia}
         open_faces = _open_faces(grid, open_cells, covered)
         outline = Outline.of(grid, solids)
         body = _index_bodies(grid, parts)
@@ -112,8 +130,8 @@ class Medium:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
         uniform = _uniform(grid, particle_porosity, [materials[number, 0] for number in material])
-        names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast", "uniform")
-        fields = [porosity, particle_porosity, open_cells, energy, coefficient, contrast, uniform]
+        names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast", "uniform", *lag)
+        fields = [porosity, particle_porosity, open_cells, energy, coefficient, contrast, uniform, *lag.values()]
         kind, kinds = _listed(fields)
         return cls(
             grid=grid,
@@ -158,7 +176,7 @@ class Medium:
 
     @property
     def at_interface(self) -> NDArray[np.bool_]:
-        """Cells with another C_r / n^2 up to two cells away along each axis."""
+        """Cells with another K / n^2 up to two cells away along each axis."""
         return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > 1.0
 
     def on_faces(self, column: int) -> Faces:

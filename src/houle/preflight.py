@@ -64,7 +64,7 @@ def drag_of(case: Case) -> list[dict[str, Any]]:
     """What run.json says of every porous body: its law with the coefficients taken, and the drag they make."""
     return [
         {"name": p.name, "law": p.words, "a": p.a, "b": p.b, "inertia": p.inertia,
-         "period": p.period, "oscillating": p.oscillating}
+         "added_mass_on": p.added_mass_on, "period": p.period, "oscillating": p.oscillating}
         for p in passports(case)
     ]  # fmt: skip
 

@@ -205,6 +205,7 @@ class Passport:
     permeability: float  # K_p = nu/a [m2]
     forchheimer: float  # C_f = b sqrt(K_p) [-]
     inertia: float  # C_r [-]
+    added_mass_on: str  # "motion", or "rate": before du/dt alone
     velocity: float  # expected Darcy velocity [m/s]
     gradient: float  # drag at the expected velocity / g
     linear_share: float  # a / (a + b u) at the expected velocity
@@ -286,6 +287,7 @@ def passport(
         permeability=permeability,
         forchheimer=b * sqrt(permeability) if b else 0.0,
         inertia=inertia_coefficient(n, body.added_mass),
+        added_mass_on=body.added_mass_on,
         velocity=u,
         gradient=drag(u) if u < inf else 0.0,
         linear_share=a / (a + b * u) if u < inf else 0.0,

@@ -451,4 +451,5 @@ def _set_off(case: Case, water: Particles) -> None:
 def _porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:
     a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity, period)
     inertia = inertia_coefficient(entry.porosity, entry.added_mass)
-    return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia)
+    on_rate = entry.added_mass_on == "rate"
+    return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia, on_rate)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from houle import _core
-from houle.grid import FloatArray
+from houle.grid import Faces, FloatArray
 
 if TYPE_CHECKING:
     from houle.flow import Flow
@@ -36,6 +36,11 @@ def _cloud(flow: Flow) -> tuple:
     return flow.grid.core, flow.kernel, flow.particles.position, flow.side, flow.bulk, flow.start
 
 
+def interpolate(flow: Flow, faces: Faces, out: FloatArray) -> None:
+    """A field on the faces at the particles (N, d), as they see velocities."""
+    _core.to_particles(*_cloud(flow), faces, [], [], 0.0, out, flow.medium.interfaces)
+
+
 class Pic:
     """The velocity of a particle is the grid's: stable and very dissipative (Harlow 1955)."""
 
@@ -48,8 +53,7 @@ class Pic:
         )
 
     def to_particles(self, flow: Flow) -> None:
-        velocity = flow.particles.velocity
-        _core.to_particles(*_cloud(flow), flow.velocity, [], [], 0.0, velocity, flow.medium.interfaces)
+        interpolate(flow, flow.velocity, flow.particles.velocity)
         flow.interpolated = flow.kernel == "linear"
 
     def renew(self, flow: Flow) -> None:

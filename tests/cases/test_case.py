@@ -47,7 +47,12 @@ def test_defaults_and_names_are_filled_in():
     assert case.case.name == "dam-break" and case.time.end == 2.0 and isinstance(case.time.end, float)
     assert (case.fluid.density, case.fluid.viscosity, case.fluid.gravity) == (1000.0, 1e-6, 9.81)
     assert [g.name for g in case.gauge] == ["G1", "end"] and case.sensor[0].name == "P1"
-    assert case.porous[0].added_mass == 0.34 and case.reference is None and case.path is None
+    assert (
+        case.porous[0].added_mass == 0.34
+        and case.porous[0].added_mass_on == "motion"
+        and case.reference is None
+        and case.path is None
+    )
     assert case.acceleration == (0.0, -9.81)
     assert case.domain.grid.shape == (178, 116)
 
@@ -163,6 +168,7 @@ BAD = [
     ("porous.dam.d50", 0.02, ["porous.dam.d50", 'Did you mean "grain_diameter"?']),
     ("porous.dam.resistance.law", "ergun", ['"ergun"', 'Did you mean "ergun-1952"?', "van-gent-1995"]),
     ("porous.dam.resistance.law", "Jensen-2014", ['"Jensen-2014"', 'Did you mean "jensen-2014"?']),
+    ("porous.dam.added_mass_on", "rat", ['"rat"', 'Did you mean "rate"?']),
     ("porous.dam.resistance", {"a": 1.0}, ["porous.dam.resistance", "both a and b"]),
     ("porous.dam.resistance", {"law": "ergun-1952", "kc": 10.0}, ["kc does not belong to ergun-1952"]),
     ("porous.dam.resistance", {"law": "olaflow", "a": 1.0, "b": 2.0}, ["law, a, b given"]),

@@ -88,6 +88,10 @@ ERRORS = {
         {"porous": [rock(name="one"), rock(name="two", resistance={"a": 1.0, "b": 9.0})]},
         ["porous.two", "another resistance"],
     ),
+    "overlap of forms of the added mass": (
+        {"porous": [rock(name="one"), rock(name="two", added_mass_on="rate")]},
+        ["porous.two", "another added_mass_on"],
+    ),
     "body in a solid": (
         {"porous": [rock()], "solid": [{"box": [[0.2, 0.0], [0.7, 0.45]]}]},
         ["porous-1", "remove one"],

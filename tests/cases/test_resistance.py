@@ -220,6 +220,21 @@ def test_the_period_of_a_sea_is_that_of_its_energy():
     assert sea < group < 1.5, "narrower, nearer to the peak"
 
 
+def test_the_passport_says_what_the_added_mass_stands_before():
+    from io import StringIO
+
+    from rich.console import Console
+
+    from houle.check_report import _passport
+    from houle.preflight import drag_of
+
+    for on, words in (("motion", "C_r = 1.354 "), ("rate", "C_r = 1.354 before du/dt alone")):
+        case = body(added_mass_on=on)
+        out = StringIO()
+        Console(file=out, width=200).print(_passport(passport(case.porous[0], case.fluid)))
+        assert words in out.getvalue() and drag_of(case)[0]["added_mass_on"] == on
+
+
 def test_run_theory_and_passport_have_the_same_drag():
     from houle.preflight import drag_of
     from houle.reflection import block_theory

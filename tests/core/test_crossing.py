@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import reference
 from clouds import grids, in_order, numbered, random_faces, randoms, scattered
 from houle import _core
 from houle.grid import Grid
@@ -48,15 +49,22 @@ class Pores:
         _core.sample_medium(self.grid.core, *self.medium, *pores, x, self.volume, bulk, inertia)
         return bulk, inertia
 
-    def carry(self, to, dt):
+    def carry(self, to, dt, lag=None):
         """Velocities after particles have gone from x to there."""
         bulk, inertia = self.sample(self.x)
         before, u = np.zeros(self.x.shape), self.u.copy()
         _core.energy_factor(self.volume, bulk, inertia, before)
+        if lag is not None:
+            before *= 1.0 - self.at(lag, self.x)[:, None]
         bulk, inertia = self.sample(to)
         state = (dt, to, self.volume, bulk, inertia, before, u)
-        _core.carry(self.grid.core, *self.medium, self.held, numbered(self.coefficient), *state)
+        _core.carry(self.grid.core, *self.medium, self.held, numbered(self.coefficient), *state, numbered(lag))
         return u
+
+    def at(self, cells, x):
+        values = np.empty(len(x))
+        _core.gather_cells(self.grid.core, np.ascontiguousarray(x), cells, values)
+        return values
 
     def energy(self, x, u):
         return _core.kinetic_energy(*self.sample(x), u)
@@ -85,6 +93,20 @@ def test_a_particle_that_nothing_holds_keeps_its_energy_wherever_it_goes(grid, r
     u = pores.carry(to, dt)
     before, after = pores.energy(pores.x, pores.u), pores.energy(to, u)
     assert after == pytest.approx(before, rel=FLOAT)
+
+
+@settings(max_examples=40)
+@given(grids(most=6), randoms, st.floats(0.0, 10.0))
+def test_where_added_mass_is_on_the_rate_the_pore_velocity_is_kept_and_not_the_energy(grid, random, dt):
+    """K s^2 / C_r of all components together: 1 - lag = K/C_r."""
+    pores, lag = Pores(grid, random, held=0.0), random.uniform(0.0, 0.9, grid.shape)
+    to = random.random(pores.x.shape) * grid.size
+    u = pores.carry(to, dt, lag)
+    energy = []
+    for x, v in ((pores.x, pores.u), (to, u)):
+        bulk, inertia = pores.sample(x)
+        energy.append(np.sum(bulk[:, None] * inertia * v**2, axis=1) * (1.0 - pores.at(lag, x)))
+    np.testing.assert_allclose(energy[1], energy[0], rtol=4 * FLOAT)
 
 
 @settings(max_examples=40)
@@ -190,3 +212,55 @@ def test_faces_are_held_between_full_cells_of_moderate_contrast(grid, random):
         n = wide.shape[a]
         expected = np.take(wide, range(n - 1), axis=a) & np.take(wide, range(1, n), axis=a)
         np.testing.assert_array_equal(found, expected)
+
+
+# ---- added mass on the rate alone: momentum falls behind the water ---------------------------------------------------
+
+
+def fall_behind(grid, u, inertia, held, lag, porosity, dt):
+    """The core's, with one row of the table for each inertia."""
+    rows = np.unique(np.concatenate([f.ravel() for f in inertia]))
+    number = [np.searchsorted(rows, f).astype(np.int32) for f in inertia]
+    table = np.stack([rows, 0.0 * rows, 0.0 * rows], axis=1)
+    change = grid.faces()
+    medium = (number, table, numbered(grid.cells(1.0)), held, numbered(lag), numbered(porosity))
+    _core.fall_behind(grid.core, *medium, u, dt, change)
+    return change
+
+
+@settings(max_examples=40)
+@given(grids(most=7), randoms, st.sampled_from([1.0, 0.9, 0.5]))
+def test_falling_behind_against_the_twin(grid, random, one):
+    """In one medium, in few, in two that are mixed; with ways of up to three cells."""
+    inertia = [np.where(f < one, 2.0, 3.5) for f in random_faces(grid, random, 0.0, 1.0)]
+    held = [(f < 0.7).astype(np.uint8) for f in random_faces(grid, random, 0.0, 1.0)]
+    lag = np.where(random.random(grid.shape) < 0.2, 0.0, random.uniform(0.0, 0.9, grid.shape))
+    u, porosity = random_faces(grid, random), random.uniform(0.3, 1.0, grid.shape)
+    state = (u, inertia, held, lag, porosity, random.uniform(0.0, 1.0))
+    expected = reference.fall_behind(grid, *state)
+    for a, found in enumerate(fall_behind(grid, *state)):
+        ends = slice(None, -1) if grid.periodic[a] else slice(None)  # the last face is the first, to round-off
+        np.testing.assert_allclose(
+            np.moveaxis(found, a, 0)[ends], np.moveaxis(expected[a], a, 0)[ends], rtol=0, atol=1e-12
+        )
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_wave_along_is_shifted_and_never_larger(d):
+    """u = q, v = sin kx: falls behind by lag q dt / n, to third order, and no wave grows, whatever its length."""
+    n, lag, q, dt = 0.4, 0.45, 0.31, 0.7
+    for cells in (4, 5, 8, 16, 32):
+        grid = Grid((cells, *[2] * (d - 1)), (1.0,) * d, (True,) * d)
+        phase = 2.0 * np.pi * (np.arange(cells) + 0.5) / cells
+        u = grid.faces()
+        u[0][...] = q
+        u[1][...] = np.sin(phase).reshape(-1, *[1] * (d - 1))
+        held = [np.ones(f.shape, np.uint8) for f in u]
+        fields = grid.faces(2.0), held, grid.cells(lag), grid.cells(n), dt
+        change = fall_behind(grid, u, *fields)
+        np.testing.assert_allclose(change[0], 0.0, atol=1e-15)
+        wave = (u[1] + change[1]).reshape(cells, -1)[:, 0]
+        amplitude = 2.0 * np.mean(wave * np.exp(-1j * phase)) * 1j
+        k = 2.0 * np.pi / cells
+        assert abs(amplitude) <= 1.0 + 1e-14
+        assert abs(amplitude - np.exp(1j * k * lag * q * dt / n)) < 0.05 * k**3

@@ -17,7 +17,8 @@ class BodyLoad:
 
     Summed over the cells, each with the volume of the body in it that is under water. u_d is the mean of the velocities
     before and after the forces of the step and D u_d/Dt their difference over its length: both are of the instant of
-    the pressure.
+    the pressure. Where the added mass stands before du/dt alone that difference is the acceleration less its share
+    1 - 1/C_r of (u . grad) u_d, which the water has besides: so much less is left for the grains.
     """
 
     def __init__(self, flow: Flow, number: int, about: FloatArray) -> None:
@@ -29,6 +30,7 @@ class BodyLoad:
             np.flatnonzero(share.max(axis=tuple(b for b in range(share.ndim) if b != a))) for a in range(share.ndim)
         ]
         self.cells = tuple(slice(int(r[0]), int(r[-1]) + 1) if len(r) else slice(0, 0) for r in reach)
+        self.spacing = grid.spacing
         self.volume = share[self.cells] * grid.cell_volume
         self.arm = (grid.points()[self.cells] - about).reshape(-1, grid.dimension)
 
@@ -39,10 +41,20 @@ class BodyLoad:
         u = 0.5 * (before + after)
         drag = (body.a + body.b * np.sqrt((u * u).sum(axis=0))) * u
         total = drag + (body.inertia / body.porosity - 1.0) / flow.kick * (after - before)
+        if body.convective != body.inertia:
+            total -= (1.0 - body.convective / body.inertia) / body.porosity * self._convection(u)
         total -= (1.0 - body.porosity) * np.reshape(flow.gravity, (d,) + (1,) * d)
         wet = (wet_share(flow, self.cells[:-1])[..., self.cells[-1]] * self.volume).ravel()
         force = (total.reshape(d, -1) * wet).T
         return (force.sum(axis=0), moment(self.arm, force)), (drag.reshape(d, -1) * wet).sum(axis=1)
+
+    def _convection(self, u: FloatArray) -> FloatArray:
+        """(u . grad) u of a field (d, ...) of the cells."""
+        found = np.zeros_like(u)
+        for b, h in enumerate(self.spacing):
+            if u.shape[1 + b] > 1:
+                found += u[b] * np.gradient(u, h, axis=1 + b)
+        return found
 
     def _at_centres(self, velocity: list[FloatArray]) -> FloatArray:
         """(d, ...) from the two faces of each axis."""

@@ -245,6 +245,9 @@ class Porous(Shape):
     )
     resistance: Resistance = Field(description="{law = ...}, {a, b} or {permeability, forchheimer}")
     added_mass: float = Field(default=0.34, ge=0, le=10, description="gamma in C_r = 1 + gamma (1-n)/n [-]")
+    added_mass_on: Literal["motion", "rate"] = Field(
+        default="motion", description="what it stands before: all of Du/Dt, or du/dt at a place alone"
+    )
 
     @model_validator(mode="after")
     def law_has_grains(self) -> Porous:

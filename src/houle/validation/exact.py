@@ -5,8 +5,9 @@ A rigid porous medium of porosity n resists with a u_d + b |u_d| u_d per unit ma
 
     (C_r / n) dq/dt = -(1/rho) dp/dx + G - a q - b |q| q,
 
-and crossing a face between water and the medium keeps p + rho C_r u^2 / 2 (Bernoulli with the pore velocity u = q / n,
-and the inertia of the water that the grains move; docs/theory.md, section 1).
+and crossing a face between water and the medium keeps p + rho K u^2 / 2 (Bernoulli with the pore velocity u = q / n).
+K = C_r, for the water that the grains move has inertia, too; K = 1 where the added mass is on the rate alone
+(docs/theory.md, section 1).
 
 References: Tadjbakhsh & Keller, J. Fluid Mech. 8 (1960) 442-451 for the standing wave; Dommermuth & Yue, J. Fluid Mech.
 184 (1987) 267-288 for the fully non-linear one.
@@ -24,12 +25,20 @@ from houle.grid import FloatArray
 
 @dataclass(frozen=True)
 class PorousMedium:
-    """porosity [-], a [1/s] and b [1/m] of the drag a u_d + b |u_d| u_d, inertia C_r [-]."""
+    """porosity [-], a [1/s] and b [1/m] of the drag a u_d + b |u_d| u_d, inertia C_r [-]; whether the added mass stands
+    before du/dt alone.
+    """
 
     porosity: float
     a: float
     b: float
     inertia: float = 1.0
+    on_rate: bool = False
+
+    @property
+    def convective(self) -> float:
+        """K of the convective acceleration."""
+        return 1.0 if self.on_rate else self.inertia
 
 
 def runge_kutta(slope: Callable[[float, FloatArray], FloatArray], start: FloatArray, times: FloatArray) -> FloatArray:
@@ -65,9 +74,9 @@ def duct_flow(
 
 
 def bernoulli_jump(darcy_velocity: float, porosity: float, inertia: float = 1.0) -> float:
-    """Pressure drop over density [m2/s2] from clear water into a medium, q^2/2 (C_r/n^2 - 1); regained on the way out.
+    """Pressure drop over density [m2/s2] from clear water into a medium, q^2/2 (K/n^2 - 1); regained on the way out.
 
-    inertia: C_r, 1 without added mass.
+    inertia: K, which is C_r, or 1 without added mass and where it is on the rate alone.
     """
     return 0.5 * darcy_velocity**2 * (inertia / porosity**2 - 1.0)
 
@@ -79,14 +88,14 @@ def column_infiltration(
 
     Returns wetted depth s [m], layer left h [m] and Darcy velocity q [m/s] at the times (T,) [s], NaN once the layer is
     used up. n ds/dt = q, h + n s = layer, and from surface to wetting front
-    (h + C_r s/n) dq/dt = g (h + s) - q^2/2 (C_r/n^2 - 1) - s (a q + b q^2).
+    (h + C_r s/n) dq/dt = g (h + s) - q^2/2 (K/n^2 - 1) - s (a q + b q^2).
     """
     n, a, b, inertia = medium.porosity, medium.a, medium.b, medium.inertia
 
     def slope(_: float, y: FloatArray) -> FloatArray:
         s, q = y
         h = layer - n * s
-        drive = gravity * (h + s) - bernoulli_jump(q, n, inertia) - s * (a * q + b * q * abs(q))
+        drive = gravity * (h + s) - bernoulli_jump(q, n, medium.convective) - s * (a * q + b * q * abs(q))
         return np.array([q / n, drive / (h + inertia * s / n)])
 
     fine = np.linspace(0.0, times[-1], max(2, round(times[-1] / step) + 1))

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 def medium(body: Porous, fluid: Fluid) -> PorousMedium:
     """Porosity, a, b and inertia of the body."""
     a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, fluid.viscosity)
-    return PorousMedium(body.porosity, a, b, inertia_coefficient(body.porosity, body.added_mass))
+    inertia = inertia_coefficient(body.porosity, body.added_mass)
+    return PorousMedium(body.porosity, a, b, inertia, body.added_mass_on == "rate")
 
 
 def bed_top(body: Porous) -> float:

@@ -30,7 +30,7 @@ def compare(run: Run) -> list[Check]:
     rock = medium(body, fluid)
     exact = duct_flow(time, rock, fluid.acceleration[0], run.case.domain.size[0], stop - start)
     late = time >= 0.6 * time[-1]
-    scale = fluid.density * bernoulli_jump(float(flux[late].mean()), body.porosity, rock.inertia)
+    scale = fluid.density * bernoulli_jump(float(flux[late].mean()), body.porosity, rock.convective)
     x, pressure = series.sensor_x.values, series.pressure.transpose("sensor", "time").values[:, late]
 
     def at(where: float, part: np.ndarray) -> np.ndarray:
