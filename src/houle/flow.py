@@ -251,6 +251,15 @@ class Flow:
             if g != 0.0 and not self.grid.periodic[a]
         )
 
+    def passing(self, axis: int) -> FloatArray:
+        """Darcy velocity on the faces of an axis, the mean of both media where two share one [m/s]."""
+        u = self.velocity[axis]
+        if self.medium.shared and len(self.medium.shared[axis].face):
+            faces, u = self.medium.shared[axis], u.copy()
+            every = u.ravel()
+            every[faces.face] += faces.share * (every[faces.beside] - every[faces.face])
+        return u
+
     def pore_velocity(self) -> FloatArray:
         """u_d / n of the particles (N, d) [m/s]."""
         return self.particles.velocity / self.porosity[:, None]

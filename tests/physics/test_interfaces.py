@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from situations import run, simulation
 
+from houle.observe.points import velocity_at
+
 SLOSH: dict[str, Any] = {
     "case": {"name": "slosh-through-a-block"},
     "domain": {"size": [1.2, 0.35], "spacing": 0.02},
@@ -133,3 +135,24 @@ def test_water_at_rest_over_a_bed_off_the_lines_stays_at_rest():
     while sim.time < 0.5:
         sim.advance(0.5)
     assert np.abs(sim.particles.velocity).max() < 1e-9
+
+
+@pytest.mark.parametrize("top", [0.1, 0.105, 0.115])
+def test_a_section_counts_both_media_of_a_face_that_they_share(top):
+    """A stream over a bed, before any of it is slowed: the discharge is that of 0.2 m/s in what is clear water."""
+    bed = {"name": "bed", "box": [[0.0, 0.0], [0.8, top]], "porosity": 0.45, "resistance": {"a": 1e5, "b": 0.0}}
+    sim = simulation(
+        {
+            "case": {"name": "stream-over-a-bed"},
+            "domain": {"size": [0.8, 0.3], "spacing": 0.02, "walls": {"x": "periodic"}},
+            "fluid": {"viscosity": 0.0},
+            "water": [{"box": [[0, top], [0.8, 0.247]], "velocity": [0.2, 0.0]}, {"box": [[0, 0], [0.8, top]]}],
+            "porous": [bed],
+            "flux": [{"x": 0.41}],
+            "time": {"end": 0.2},
+        }
+    )
+    sim.advance(0.2)
+    assert sim.sample()["discharge"][0] == pytest.approx(0.2 * (0.247 - top), rel=0.01)
+    over, under = velocity_at(sim.flow, np.array([[0.41, top + 0.004], [0.41, top - 0.004]]))[:, 0]
+    assert over == pytest.approx(0.2, rel=0.01) and abs(under) < 1e-3

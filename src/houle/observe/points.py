@@ -20,11 +20,11 @@ def at_points(flow: Flow, points: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def velocity_at(flow: Flow, points: FloatArray) -> FloatArray:
-    """Darcy velocity (N, d) [m/s] at points (N, d), linear from the faces."""
+    """Darcy velocity (N, d) [m/s] at points (N, d), linear from the faces; along an interface from its side."""
     velocity, mass = np.zeros(points.shape), np.ones(len(points))
     if len(points):
         cloud = (flow.grid.core, "linear", points, None, mass, flow.start)
-        _core.to_particles(*cloud, flow.velocity, [], [], 0.0, velocity)
+        _core.to_particles(*cloud, flow.velocity, [], [], 0.0, velocity, flow.medium.interfaces)
     return velocity
 
 

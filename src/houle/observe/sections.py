@@ -31,7 +31,8 @@ class Section:
         self.width = 1.0 if grid.dimension == 2 else grid.spacing[1]
 
     def discharge(self, flow: Flow) -> float:
-        u = (1.0 - self.share) * flow.velocity[0][self.face] + self.share * flow.velocity[0][self.face + 1]
+        low, high = flow.passing(0)[[self.face, self.face + 1]]
+        u = (1.0 - self.share) * low + self.share * high
         wet = (self.weight * wet_share(flow, self.column).reshape(2, -1)).sum(axis=0).reshape(-1, len(self.bottom))
         top = self.bottom + flow.grid.spacing[-1] * wet
         opening = np.clip(top, self.spans[..., 0], self.spans[..., 1]) - self.spans[..., 0]
