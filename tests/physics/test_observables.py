@@ -417,8 +417,8 @@ def test_the_volume_over_a_tight_crest_is_that_of_the_particles():
 
 
 def test_what_seeps_below_the_level_is_not_counted():
-    """The faces say the same of the whole to 3 % as over a solid crest; of its parts to what the particles mix over half
-    a cell at the crest."""
+    """The faces say the same of the whole to 3 %, as over a solid crest; of its parts to what the particles mix over
+    half a cell at the crest."""
     sim = spill("porous")
     seeped = over = 0.0
     while sim.time < 0.8:
