@@ -7,7 +7,7 @@ houle.grid.Grid. A field of axis -1 lies at the cell centres, one of axis a on t
 from __future__ import annotations
 
 import itertools
-from math import exp, floor, isnan, sqrt
+from math import exp, floor, isnan, log, sqrt
 
 import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter
@@ -112,9 +112,10 @@ def apply_forces(grid, u, inertia, darcy, forchheimer, energy, gravity, extra, d
             slope = np.zeros(d)
             slope[a] = (energy[high] - energy[low]) / grid.spacing[a]
             for b in set(range(d)) - {a}:
-                for c in (low, high):
-                    up, down = shifted(c, b, 1, grid) or c, shifted(c, b, -1, grid) or c
-                    slope[b] += (energy[up] - energy[down]) / (4.0 * grid.spacing[b])
+                after, before = (sum(energy[shifted(c, b, by, grid) or c] for c in (low, high)) for by in (1, -1))
+                around = (after, energy[low] + energy[high], before)
+                least = min([s2 for s2 in around if s2 >= 2.0 * inertia[a][i] * (1.0 - 1e-9)], default=max(around))
+                slope[b] = least * log(after / before) / (4.0 * grid.spacing[b])
             sigma = 0.5 * v @ slope
             A, B, c = darcy[a][i], forchheimer[a][i], 1.0 / inertia[a][i]
             speed = sqrt(v @ v)

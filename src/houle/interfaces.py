@@ -65,6 +65,14 @@ class Interfaces(NamedTuple):
         medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
         return cls(number, np.ascontiguousarray(planes), medium)
 
+    def oblique(self, grid: Grid) -> NDArray[np.bool_]:
+        """Cells beside one whose nearest interface is parallel to the faces of no axis, nor nearly, and these."""
+        near = (self.number >= 0) & np.all(self.planes[:, : grid.dimension] ** 2 < ALONG, axis=1)[self.number]
+        for axis, wraps in enumerate(grid.periodic):
+            wide = widened(near, axis, wraps)
+            near = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, axis)
+        return near
+
 
 Kind = tuple[float, float, float, float, float]  # a, b, n, C_r and K of a medium
 

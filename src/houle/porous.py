@@ -29,6 +29,8 @@ LEAST = 0.5  # of the least porosity around: what a particle has at least beside
 NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
 SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
+ROUND_OFF = 1e-9  # of these shares
+OBLIQUE = 1e12  # `contrast` at oblique interfaces: more than the Bernoulli force is used at
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class Medium:
         energy            K / n^2 as <K / n> / <n>: that of water that fills the pores of the cell with one u_d
         coefficient       <K>
         contrast          largest over least K / n^2 of the open cells `NEAR` each way, that of C_r / n^2 if it is more;
-                          1: no interface near
+                          1: no interface near; at oblique ones `OBLIQUE`: no force on faces takes water across
         uniform           C_r / n where it and the porosity of particles are those of all cells around, else 0
         lag               1 - <K> / <C_r>; only where K is not C_r in some body
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
@@ -123,6 +125,8 @@ class Medium:
         outline = Outline.of(grid, solids)
         body = _index_bodies(grid, parts)
         interfaces = Interfaces.of(grid, parts, bodies, body)
+        if interfaces is not None:
+            contrast[(contrast > 1.0) & interfaces.oblique(grid)] = OBLIQUE
         material, materials = _list_materials(grid, bodies, solid, inside)
         material, materials, shared = stand_along(grid, parts, bodies, interfaces, material, materials)
         porosity = particle_porosity = _extend(cells.of(porosities, 1.0), open_cells, grid.periodic)
@@ -288,10 +292,10 @@ def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray
 
 def _slits(grid: Grid, open_cells: FloatArray, covered: Faces) -> NDArray[np.bool_]:
     """Cells less open than `SLIT` that water can reach from others only through faces less open than that."""
-    wide = [np.moveaxis(1.0 - share >= SLIT, axis, 0).copy() for axis, share in enumerate(covered)]
+    wide = [np.moveaxis(1.0 - share >= SLIT - ROUND_OFF, axis, 0).copy() for axis, share in enumerate(covered)]
     for faces, wraps in zip(wide, grid.periodic, strict=True):
         faces[[0, -1]] &= wraps  # walls of the tank are closed
-    narrow, reached = open_cells < SLIT, True
+    narrow, reached = open_cells < SLIT - ROUND_OFF, True
     while reached:
         found = np.zeros_like(narrow)
         for axis, (faces, wraps) in enumerate(zip(wide, grid.periodic, strict=True)):
