@@ -193,7 +193,8 @@ def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> Flo
     nearest = np.full(len(centre), np.inf)
     x, z = centre[:, 0], centre[:, -1]
     for section in sections:
-        here = np.flatnonzero((centre[:, 1] >= section.span[0]) & (centre[:, 1] < section.span[1]) | (d == 2))
+        last = section is sections[-1]
+        here = np.flatnonzero((centre[:, 1] >= section.span[0]) & ((centre[:, 1] < section.span[1]) | last) | (d == 2))
         nearest[here], at = section.nearest(x[here], z[here])
         normal, foot = at[:, 0], at[:, 1]
         planes[here, 0], planes[here, d - 1] = normal.T
@@ -246,7 +247,10 @@ def stand_along(
     sections = [_Section.of(grid, part, media) for part in parts]
     numbers, shared = [], []
     for axis, number in enumerate(material):
-        mixed = np.flatnonzero(~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number])
+        own = np.indices(number.shape)[axis] < grid.shape[axis] + (
+            not grid.periodic[axis]
+        )  # the first is the last, too
+        mixed = np.flatnonzero(~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number] & own)
         index = np.stack(np.unravel_index(mixed, number.shape), axis=1)
         centre = (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing
         planes = _planes(grid, sections, centre)
@@ -257,7 +261,23 @@ def stand_along(
         flat = number.ravel().copy()
         flat[mixed[along]] = len(materials) + medium[along].astype(np.int32)
         numbers.append(flat.reshape(number.shape))
+        if grid.periodic[axis]:
+            ends = np.moveaxis(numbers[-1], axis, 0)
+            ends[-1] = ends[0]
+            shared[-1] = _repeated_at_end(grid, axis, shared[-1])
     return numbers, np.concatenate([materials, pure]), shared
+
+
+def _repeated_at_end(grid: Grid, axis: int, shared: Shared) -> Shared:
+    """With the last faces of a periodic axis, which are the first."""
+    shape = grid.face_shape(axis)
+    first = np.unravel_index(shared.face, shape)[axis] == 0
+    way = grid.shape[axis] * int(np.prod(shape[axis + 1 :]))
+    return Shared(
+        np.concatenate([shared.face, shared.face[first] + way]),
+        np.concatenate([shared.beside, shared.beside[first] + way]),
+        np.concatenate([shared.share, shared.share[first]]),
+    )
 
 
 def _shared(

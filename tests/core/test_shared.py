@@ -64,3 +64,27 @@ def test_in_space_both_components_along_are_shared():
     for where, _, share in (y, z):
         assert np.unique(where[:, 0]).tolist() == [4]
         assert share == pytest.approx(0.4, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("grid", "box"),
+    [
+        (ROUND, ((0.0, -1.0), (0.57, 0.43))),
+        (ROUND, ((0.33, 0.0), (1.04, 0.43))),
+        (SPACE, ((0.44, -1.0, -1.0), (0.71, 2.0, 2.0))),
+        (SPACE, ((0.2, 0.0, 0.0), (0.71, 0.37, 0.43))),
+        (SPACE, ((0.2, 0.13, 0.0), (0.71, 0.41, 0.43))),
+    ],
+)
+def test_the_last_face_around_a_periodic_axis_is_the_first(grid, box):
+    """In medium and share: else what flows out at one end is not what flows in at the other, and nothing converges."""
+    medium = Medium.build(grid, [PorousBody("body", Box(*box), **ROCK)])
+    for axis, (number, faces) in enumerate(zip(medium.material, medium.shared, strict=True)):
+        if not grid.periodic[axis]:
+            continue
+        ends = np.moveaxis(medium.materials[number], axis, 0)
+        assert np.array_equal(ends[0], ends[-1])
+        joint = np.zeros(grid.face_shape(axis))
+        joint.ravel()[faces.face] = faces.share
+        joint = np.moveaxis(joint, axis, 0)
+        assert np.array_equal(joint[0], joint[-1])
