@@ -160,6 +160,16 @@ class Flow:
             near = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, axis)
         return np.ascontiguousarray(near, np.uint8)
 
+    def open_passages(self) -> None:
+        """Openness of the faces: that of the medium, in arrays of their own, less what the gates cover."""
+        if self.open_faces[0] is self.medium.open_faces[0]:
+            self.open_faces = [faces.copy() for faces in self.medium.open_faces]
+        for faces, whole in zip(self.open_faces, self.medium.open_faces, strict=True):
+            faces[...] = whole
+        h = self.grid.spacing
+        for x, bottom in self.gates:
+            self.open_faces[0][round(x / h[0])][..., round(bottom / h[-1]) :] = 0.0
+
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
 

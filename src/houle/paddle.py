@@ -54,7 +54,6 @@ class Paddle:
         self.leeway = self._clear() * flow.grid.spacing[0]
         flow.paddles.append(self)
         flow.driven.append(self)
-        flow.open_faces = [faces.copy() for faces in flow.medium.open_faces]
         place(flow)
 
     def _clear(self) -> int:
@@ -167,9 +166,8 @@ class Paddle:
 
 
 def place(flow: Flow) -> None:
-    """Openness of faces, and nodes of the lattice, with the paddles where they are now."""
-    for faces, whole in zip(flow.open_faces, flow.medium.open_faces, strict=True):
-        faces[...] = whole
+    """Openness of faces, and nodes of the lattice, with gates and paddles where they are now."""
+    flow.open_passages()
     for paddle in flow.paddles:
         paddle.close()
     flow.walls = np.array([paddle.outline() for paddle in flow.paddles])

@@ -237,14 +237,15 @@ class Simulation:
         if not gates:
             return
         h, up = self.grid.spacing, self.grid.dimension - 1
-        across, rows = self.medium.open_faces[0].copy(), []
+        rows = []
         for gate in gates:
-            face = round(gate.x / h[0])
             bottom = max(0.0, (self.time - gate.start) * gate.speed)
-            free = math.floor(bottom / h[up] + 0.5)  # rows
-            across[face][..., free:] = 0.0
-            rows.append((face * h[0], free * h[up]))
-        flow.open_faces, flow.gates = [across, *self.medium.open_faces[1:]], np.array(rows)
+            rows.append((round(gate.x / h[0]) * h[0], math.floor(bottom / h[up] + 0.5) * h[up]))
+        flow.gates = np.array(rows)
+        if flow.paddles:
+            place(flow)
+        else:
+            flow.open_passages()
 
     def _check(self, largest: float) -> None:
         """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
@@ -433,9 +434,9 @@ class Simulation:
         for i, paddle in enumerate(flow.paddles):
             paddle.x = float(state[f"paddle.{i}.x"])
             paddle.command.memory[...] = state[f"paddle.{i}.memory"]
-        self._place_gates()
         if flow.paddles:
             place(flow)
+        self._place_gates()
         arrange(flow, self.step.transfer)
         ledger.go_on()
 

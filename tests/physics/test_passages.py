@@ -61,3 +61,35 @@ def test_water_in_a_closed_slit_stays_and_rests():
     while sim.time < 0.2:
         sim.advance(0.2)
     assert np.abs(sim.flow.pore_velocity()).max() < 1e-3 and abs(sim.volume_drift) < 1e-12
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_gate_stays_shut_beside_a_wall_that_absorbs(side):
+    """Both close faces: the wall, as it moves, opens none that the gate covers, and the medium keeps its own."""
+    left = side == "left"
+    sim = simulation(
+        {
+            "case": {"name": "gate-and-absorber"},
+            "domain": {"size": [2.0, 0.4], "spacing": 0.02},
+            "water": [{"box": [[1.5 if left else 0.0, 0.0], [2.0 if left else 0.5, 0.3]]}, {"below": 0.1}],
+            "gate": [{"x": 1.5 if left else 0.5, "speed": 0.5, "start": 0.2}],
+            "absorber": [{"x": 0.2 if left else 1.8, "side": side}],
+            "time": {"end": 0.6},
+        }
+    )
+    face, whole = 75 if left else 25, [faces.copy() for faces in sim.medium.open_faces]
+
+    def through() -> float:
+        x = sim.particles.position[:, 0]
+        return float(sim.particles.volume[x < 1.5 if left else x > 0.5].sum())
+
+    before = through()
+    while sim.time < 0.19:
+        sim.advance(0.19)
+        assert sim.flow.open_faces[0][face].max() == 0.0
+    assert through() == pytest.approx(before, rel=1e-12)
+    while sim.time < 0.6:
+        sim.advance(0.6)
+    assert sim.flow.open_faces[0][face].tolist() == [1.0] * 10 + [0.0] * 10
+    assert through() > 1.1 * before
+    assert all(np.array_equal(a, b) for a, b in zip(sim.medium.open_faces, whole, strict=True))
