@@ -24,12 +24,12 @@ struct Interface {
     return s >= 0.0;
   }
   double side(const double* x) const { return beyond(x) ? above : below; }  // the medium there
-  int axis() const {                                                        // to which it is parallel, -1: none
+  int axis() const {  // of the faces to which it is parallel (PARALLEL of interfaces.py), -1: none
     for (int a = 0; a < D; ++a)
       if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
     return -1;
   }
-  // Whether it is parallel, or nearly, to the faces of that axis.
+  // Whether it is parallel, or nearly, to the faces of that axis (ALONG of interfaces.py).
   bool across(int a) const { return normal[a] * normal[a] > 0.99; }
 };
 
@@ -45,8 +45,8 @@ struct Interfaces {
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
   // Whether a face of axis a lies on the side of that medium.
   bool is_own(int a, index f, double side) const { return medium[a][f] == side || medium[a][f] < 0; }
-  // weight (count): of the linear kernel for faces of axis a, becomes what a particle at x beside that interface sees
-  // of them.
+  // weight (count): on entry those of the linear kernel for these faces of axis a, on return those with which a
+  // particle at x beside that interface sees them.
   void own(int a, const Interface<D>& at, const double* x, int count, const index* face, double* weight) const {
     if (at.across(a)) return;
     const double side = at.side(x);

@@ -142,7 +142,7 @@ constexpr double see = 0.5;      // weights a particle must see, else all goes t
 constexpr index far = 32;        // nodes from which a debt is paid, or a moment taken, at most
 }  // namespace remesh
 
-// What a particle beside an interface gives of its velocity along that, to the nodes of its own side only.
+// The nodes to which a particle beside an interface gives its momentum along that: those of its own side.
 template <int D>
 struct Aside {
   const Interface<D>* at = nullptr;  // null: far from any
@@ -153,14 +153,15 @@ struct Aside {
       : at(pores.near(l, x)), nodes(s) {
     if (at) parallel = nodes.mirror(l, *at, x);
   }
-  bool has(const double* x, const int* k) const {
+  bool has(const double* x, const int* k) const {  // whether node k, one place per axis, lies on the side of x
     double node[D];
     for (int a = 0; a < D; ++a) node[a] = x[a] + nodes.reach[a][k[a]];
     return parallel || at->beyond(node) == at->beyond(x);
   }
 };
 
-// Takes the momentum along the interface from what a particle has to give, and gives it to its side, if that sees it.
+// Takes the momentum along the interface out of what a particle at x has to give, and gives it to the nodes of its own
+// side; where hardly any of those receive it stays with the rest.
 template <int D, class Room>
 inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, const double* x, Gathered<D>& g, Room room,
                        Gathered<D>* nodes) {

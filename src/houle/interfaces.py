@@ -24,20 +24,22 @@ if TYPE_CHECKING:
 
 REACH = 2  # cells from which particles and faces still see each other across an interface
 ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across
-PARALLEL = 1e-9  # 1 - |n_a| of an interface that is parallel to the grid
-LEAST_SHARE = 1e-6  # of the box of a face that another medium takes
+PARALLEL = 1e-9  # 1 - |n_a| below which an interface is parallel to the faces of axis a
+LEAST_SHARE = 1e-6  # of the box around a face: another medium that takes less does not share it
 ON_LINE = 1e-6  # [spacings] what is nearer to an interface lies on it
-ASIDE = 1e-3  # [spacings] from an interface: what lies on which side of it
-SOLID = -1
+ASIDE = 1e-3  # [spacings] from an interface: where the media of its two sides are looked up
+SOLID = -1  # in the place of the number of a medium
 
 
 class Interfaces(NamedTuple):
     """The interfaces as the core takes them.
 
-    number  cells  int32: of the row of `planes` nearest to the centre; -1 where none is within `REACH`
-    planes  (K, d + 3) unit normal, its product with a point on the plane [m], and the medium where it is less, and more
-    medium  faces  int8: number of the medium at the centre, 0 clear water, -1 in a solid; on an interface the one that
-            resists less
+    number  cells  int32: the row of `planes` that holds the interface nearest to the centre of the cell; -1 where no
+            interface is within `REACH`
+    planes  (K, d + 3) unit normal, its product with a point on the plane [m], and the media on the sides where that
+            product is less, and more
+    medium  faces  int8: number of the medium at the centre of the face, 0 clear water, -1 in a solid; on an interface
+            the medium that resists less
     """
 
     number: NDArray[np.int32]
@@ -48,7 +50,7 @@ class Interfaces(NamedTuple):
     def of(
         cls, grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], body: NDArray[np.int8]
     ) -> Interfaces | None:
-        """None where the tank holds one medium. body: `Medium.body`."""
+        """The interfaces between these bodies; None where the tank holds one medium. body: `Medium.body`."""
         media, _ = number_media(bodies)
         sections = [_Section.of(grid, part, media) for part in parts]
         near = _near(grid, np.array([0, *media, SOLID], np.int8)[body]) if media.any() else np.zeros(grid.shape, bool)
@@ -66,7 +68,7 @@ class Interfaces(NamedTuple):
         return cls(number, np.ascontiguousarray(planes), medium)
 
     def oblique(self, grid: Grid) -> NDArray[np.bool_]:
-        """Cells beside one whose nearest interface is parallel to the faces of no axis, nor nearly, and these."""
+        """Cells whose nearest interface is oblique, nearly parallel to faces of no axis, and those around them."""
         near = (self.number >= 0) & np.all(self.planes[:, : grid.dimension] ** 2 < ALONG, axis=1)[self.number]
         for axis, wraps in enumerate(grid.periodic):
             wide = widened(near, axis, wraps)
@@ -78,17 +80,17 @@ Kind = tuple[float, float, float, float, float]  # a, b, n, C_r and K of a mediu
 
 
 def number_media(bodies: Sequence[PorousBody]) -> tuple[NDArray[np.int8], list[Kind]]:
-    """Of each body the number of its medium, those that resist more later; a, b, n, C_r and K of each medium."""
+    """The number of the medium of each body, and what each medium does. 0 is clear water; more resists more."""
     clear, kinds = (0.0, 0.0, 1.0, 1.0, 1.0), [(b.a, b.b, b.porosity, b.inertia, b.convective) for b in bodies]
     media = sorted({clear, *kinds}, key=lambda m: (m != clear, m[0], m[1], -m[2], *m[3:]))
     return np.array([media.index(kind) for kind in kinds], np.int8), media
 
 
 class _Section(NamedTuple):
-    """One layer in y: the areas of its media, those that resist less first, and the edges between them."""
+    """The section of one layer in y: areas of its media, those that resist less first, and the edges between them."""
 
     span: Span
-    areas: list[tuple[int, shapely.Geometry]]  # wider by `ON_LINE` than they are
+    areas: list[tuple[int, shapely.Geometry]]  # of each medium, the solids last; wider by `ON_LINE` than they are
     inside: shapely.Geometry  # all of them together, and narrower than they are
     edge: FloatArray  # (E, 2, 2) ends [m]
 
@@ -108,7 +110,7 @@ class _Section(NamedTuple):
         return cls(span, wide, inside, np.concatenate([np.empty((0, 2, 2)), *edges]))
 
     def medium_at(self, x: FloatArray, z: FloatArray) -> NDArray[np.int8]:
-        """At points; on an interface the medium that resists less."""
+        """The medium at points of the section; on an interface the one that resists less."""
         found = np.zeros(np.shape(x), np.int8)
         if self.areas:
             inside = covers(self.inside, x, z)
@@ -117,7 +119,7 @@ class _Section(NamedTuple):
         return found
 
     def nearest(self, x: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Of points (N,), the distance to the nearest edge, and its unit normal and nearest point (N, 2, 2)."""
+        """Distance (N,) from points to the nearest edge [m]; (N, 2, 2) its unit normal and its nearest point [m]."""
         if len(self.edge) == 0:
             return np.full(len(x), np.inf), np.zeros((len(x), 2, 2))
         tree = shapely.STRtree(shapely.linestrings(self.edge))
@@ -145,7 +147,7 @@ class _Section(NamedTuple):
 
 
 def _repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
-    """The area, which goes on across the sides of the tank: as it is there, or around a periodic axis."""
+    """The area and how it goes on beyond the sides of the tank: as its mirror image, or around a periodic axis."""
     for axis, columns in ((0, 0), (-1, 1)):
         size, sign, shift = grid.size[axis], np.ones(2), np.zeros(2)
         copies = [area]
@@ -158,7 +160,7 @@ def _repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
 
 
 def _edges(grid: Grid, area: shapely.Geometry, solid: shapely.Geometry) -> FloatArray:
-    """Those of the area (E, 2, 2) within `REACH` of the tank that are not the outline of the solids [m]."""
+    """Edges of the area (E, 2, 2) [m] that lie within `REACH` of the tank and not on the outline of the solids."""
     reach = REACH * max(grid.spacing)
     window = shapely.box(-reach, -reach, grid.size[0] + reach, grid.size[-1] + reach)
     outline = shapely.intersection(shapely.boundary(area), window)
@@ -172,7 +174,7 @@ def _edges(grid: Grid, area: shapely.Geometry, solid: shapely.Geometry) -> Float
 
 
 def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
-    """Cells within `REACH` of which the half cells, whose media these are, differ."""
+    """Cells that have different media within `REACH` cells. medium: that of each half cell."""
     low = high = medium
     for axis in range(grid.dimension):
         low = np.minimum(np.delete(low, np.s_[1::2], axis), np.delete(low, np.s_[0::2], axis))
@@ -187,7 +189,7 @@ def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
 
 
 def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> FloatArray:
-    """`Interfaces.planes` nearest to points (N, d); the two media are equal where there is none."""
+    """The interfaces nearest to points (N, d), as in `Interfaces.planes`; the media are equal where there is none."""
     d, aside = grid.dimension, ASIDE * min(grid.spacing)
     planes = np.zeros((len(centre), d + 3))
     nearest = np.full(len(centre), np.inf)
@@ -211,18 +213,16 @@ def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> Flo
 
 
 def _on_faces(grid: Grid, sections: Sequence[_Section], axis: int) -> NDArray[np.int8]:
-    """`Interfaces.medium` of one axis."""
-    index = np.indices(grid.face_shape(axis)).reshape(grid.dimension, -1).T
-    centre = (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing
-    medium = _medium_at(grid, sections, centre)
-    return medium.reshape(grid.face_shape(axis))
+    """The medium at the centre of each face of one axis, as in `Interfaces.medium`."""
+    centre = grid.points(axis).reshape(-1, grid.dimension)
+    return _medium_at(grid, sections, centre).reshape(grid.face_shape(axis))
 
 
 class Shared(NamedTuple):
     """Faces of one axis that two media share side by side, along an interface parallel to the grid.
 
-    face, beside  (K,) int64: such faces, and of each the one next to it that is all in the other medium; flat
-    share         (K,) of the box around the face that the other medium takes
+    face, beside  (K,) int64: such faces, and the neighbour of each whose centre is in the other medium; flat indices
+    share         (K,) share of the box around the face that the other medium takes [-], at most one half
     """
 
     face: NDArray[np.int64]
@@ -234,11 +234,11 @@ def stand_along(
     grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], interfaces: Interfaces | None,
     material: list[NDArray[np.int32]], materials: FloatArray,
 ) -> tuple[list[NDArray[np.int32]], FloatArray, list[Shared]]:  # fmt: skip
-    """`Medium.material` and `Medium.materials` of faces through whose box an interface runs along their axis, and which
-    of them two media share.
+    """`Medium.material` and `Medium.materials` with the faces along which an interface runs, and those that two media
+    share.
 
-    Across the flow media lie one behind the other, and their mean resists; along it side by side, each with a
-    velocity of its own: such a face has that of the medium at its centre.
+    Media that an interface across the flow parts lie one behind the other, and their mean resists. Along the flow they
+    lie side by side, each with a velocity of its own, and the face stands in the medium at its centre.
     """
     if not bodies or interfaces is None:
         return material, materials, []
@@ -247,12 +247,12 @@ def stand_along(
     sections = [_Section.of(grid, part, media) for part in parts]
     numbers, shared = [], []
     for axis, number in enumerate(material):
-        own = np.indices(number.shape)[axis] < grid.shape[axis] + (
-            not grid.periodic[axis]
-        )  # the first is the last, too
-        mixed = np.flatnonzero(~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number] & own)
+        several = ~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number]  # media in the box of the face
+        if grid.periodic[axis]:  # the last faces are the first
+            np.moveaxis(several, axis, 0)[-1] = False
+        mixed = np.flatnonzero(several)
         index = np.stack(np.unravel_index(mixed, number.shape), axis=1)
-        centre = (index + 0.5 * (np.arange(grid.dimension) != axis)) * grid.spacing
+        centre = grid.points(axis).reshape(-1, grid.dimension)[mixed]
         planes = _planes(grid, sections, centre)
         medium = interfaces.medium[axis].ravel()[mixed]
         along = (planes[:, axis] ** 2 < ALONG) & (medium >= 0) & (planes[:, -1] != planes[:, -2])
@@ -269,7 +269,7 @@ def stand_along(
 
 
 def _repeated_at_end(grid: Grid, axis: int, shared: Shared) -> Shared:
-    """With the last faces of a periodic axis, which are the first."""
+    """The same with the last faces of a periodic axis, which are its first."""
     shape = grid.face_shape(axis)
     first = np.unravel_index(shared.face, shape)[axis] == 0
     way = grid.shape[axis] * int(np.prod(shape[axis + 1 :]))
@@ -284,8 +284,12 @@ def _shared(
     grid: Grid, axis: int, index: NDArray[np.int64], centre: FloatArray, planes: FloatArray, medium: NDArray[np.int8],
     media: NDArray[np.int8], pure: FloatArray, mean: FloatArray,
 ) -> Shared:  # fmt: skip
-    """Of the faces at index, centre (M, d) those that two media share: not at the corner of a body, nor where the face
-    beside has yet another medium. mean (M, 3): of the materials in their boxes."""
+    """Those of M faces that two media share: not at the corner of a body, nor where the face beside is in a third.
+
+    index, centre  (M, d) of the faces, [-] and [m]    planes  (M, d + 3) the interface nearest to each
+    medium, media  at their centres (M,), and at those of all faces of the axis
+    pure, mean     (media, 3) C_r / n, a and b of each medium, and (M, 3) their means over the boxes around the faces
+    """
     d = grid.dimension
     found = []
     for b in range(d):
@@ -303,7 +307,7 @@ def _shared(
         inside = (beside[:, b] >= 0) & (beside[:, b] < grid.shape[b])
         beside[~inside] = index[~inside]
         own = np.maximum(medium, 0).astype(int)
-        other = np.where((other >= 0) & (other < len(pure)), other, 0)
+        other = np.maximum(other, 0)
         expected = (1.0 - share)[:, None] * pure[own] + share[:, None] * pure[other]
         kept = inside & (medium >= 0) & (np.abs(planes[:, b]) > 1.0 - PARALLEL) & (share > LEAST_SHARE)
         kept &= (other != own) & (media[tuple(beside.T)] == other)
@@ -314,7 +318,7 @@ def _shared(
 
 
 def _medium_at(grid: Grid, sections: Sequence[_Section], point: FloatArray) -> NDArray[np.int8]:
-    """At points (N, d) in the tank; between layers in y the one that resists less."""
+    """The medium at points (N, d) in the tank; between layers in y the one that resists less."""
     found = np.full(len(point), SOLID, np.int8).view(np.uint8)  # in which a solid is the largest
     for section in sections:
         here = (point[:, 1] >= section.span[0]) & (point[:, 1] <= section.span[1]) | (grid.dimension == 2)

@@ -208,10 +208,10 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 
 def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
-    """On faces that two media share: velocity and mobility become those of all that passes, which the pressure drives.
+    """Velocity and mobility of faces that two media share become the means over both media: what the pressure drives.
 
-    The other medium's are those of the face beside. Returns (K,) velocity and mobility of the medium at the centre, and
-    of all [m/s], [s].
+    The face beside stands for the other medium. Returns, (K,) each, velocity [m/s] and mobility [s] of the medium at
+    the centre, and the same of both media together.
     """
     fields = [flow.velocity[axis].ravel(), flow.mobility[axis].ravel()]
     own = [field[faces.face] for field in fields]
@@ -222,7 +222,7 @@ def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
 
 
 def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) -> None:
-    """After the projection: velocity and mobility of the medium at the centre again, moved by the same pressure."""
+    """After the projection: shared faces have that of the medium at the centre again, moved by the same pressure."""
     u, mobility = flow.velocity[axis].ravel(), flow.mobility[axis].ravel()
     own, own_mobility, joint, joint_mobility = before
     u[faces.face] = own + own_mobility / joint_mobility * (u[faces.face] - joint)

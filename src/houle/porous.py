@@ -25,11 +25,11 @@ from houle.moments import Measure, around_faces, covered_faces, over_cells, with
 from houle.solids import ClosedFaces, Outline, closed_faces
 
 FITTED = 1e-5  # of the porosity at particles: what its tents may be off
-LEAST = 0.5  # of the least porosity around: what a particle has at least beside an interface
+LEAST = 0.5  # of the least porosity around a cell: what `particle_porosity` is at least
 NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
 SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
-ROUND_OFF = 1e-9  # of these shares
+ROUND_OFF = 1e-9  # of shares that are compared with `SLIT`: what differs by less is equal to it
 OBLIQUE = 1e12  # `contrast` at oblique interfaces: more than the Bernoulli force is used at
 
 
@@ -159,7 +159,7 @@ class Medium:
 
     @property
     def porosity(self) -> FloatArray:
-        """A new array, as all the following."""
+        """Mean porosity of the cells; a new array, like the fields below."""
         return self.kinds["porosity"][self.kind]
 
     @property
@@ -259,17 +259,16 @@ def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[b
 
 
 def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> FloatArray:
-    """`uniform` of the cells: C_r / n of all faces, and the porosity of all cells, that a particle there sees, or 0."""
-    least, most = [porosity], [porosity]
+    """C_r / n of the faces where a particle in the cell sees one of it, and one porosity; 0 where several."""
+    if not inertia:
+        return np.ones(grid.shape)
+    least, most = [], []
     for axis, faces in enumerate(inertia):
         low, high = (np.moveaxis(faces, axis, 0)[s] for s in (slice(None, -1), slice(1, None)))
         least.append(np.moveaxis(np.minimum(low, high), 0, axis))
         most.append(np.moveaxis(np.maximum(low, high), 0, axis))
-    if not inertia:
-        return np.ones(grid.shape)
-    J = least[1]
-    same = np.all([low == high for low, high in zip(least[1:], most[1:], strict=True)], axis=0)
-    same &= np.all([low == J for low in least[1:]], axis=0)
+    J = least[0]
+    same = np.all([(low == J) & (high == J) for low, high in zip(least, most, strict=True)], axis=0)
     for axis, wraps in enumerate(grid.periodic):
         for field in (porosity, J):
             wide = widened(field, axis, wraps)
@@ -364,7 +363,7 @@ def _fit_tents(
 
 
 def _index_bodies(grid: Grid, parts: Sequence[Part]) -> NDArray[np.int8]:
-    """`Medium.body`."""
+    """The body at the centre of each half cell, as in `Medium.body`."""
     lines = [(np.arange(2 * n) + 0.5) * h / 2 for n, h in zip(grid.shape, grid.spacing, strict=True)]
     x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")
     index = np.zeros([len(line) for line in lines], np.int8)

@@ -65,7 +65,7 @@ class Remeshing:
         transfer.renew(flow)
 
     def _go_on(self, flow: Flow, dt: float) -> float:
-        """A step further; returns the cells that water has come away from where it was, where there is water."""
+        """Adds a step to `travelled`; returns how far water is from where it was, the largest of all faces [cells]."""
         grid, least = flow.grid, SPRAY * flow.grid.cell_volume
         fields = (flow.velocity, flow.work.face_mass, least, flow.listed("porosity"), self.travelled)
         ways = _core.travel(grid.core, dt, *fields)

@@ -88,10 +88,10 @@ def test_uniform_flow_is_kept_and_momentum_conserved(name, kernel):
 
 
 @pytest.mark.parametrize("shift", [0.0, 0.03, 0.07])
-def test_the_velocity_along_a_face_stays_on_its_side(shift):
-    """Linear along the face, another on each side; where a face is both, it has that of the medium at its centre."""
+def test_the_velocity_along_a_face_stays_on_its_side(shift, monkeypatch):
+    """A field that is linear on one side and uniform on the other; each face has that of the side of its centre."""
     grid = PLANE
-    SHAPES["shifted"] = (grid, Box((0.4 + shift, 0.0), (0.9, 0.84)))
+    monkeypatch.setitem(SHAPES, "shifted", (grid, Box((0.4 + shift, 0.0), (0.9, 0.84))))
     cloud = Cloud("shifted", "linear")
     line = 0.4 + shift
     z = cloud.x[:, 1]

@@ -1,4 +1,4 @@
-"""Faces that two media share side by side: how much of each, and that the pressure drives both."""
+"""Faces that two media share side by side: which they are, what share each medium has, which face stands beside."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def shared(grid, *boxes):
 
 @pytest.mark.parametrize(("place", "beside", "share"), [(0.43, 3, 0.3), (0.45, 5, 0.5), (0.48, 5, 0.2)])
 def test_an_upright_front_off_the_lines(place, beside, share):
-    """The column that it cuts, along it only; the other medium is that which its centre does not lie in."""
+    """Only faces along it are shared, in the column that it cuts; beside each is the medium its centre is not in."""
     across, along = shared(PLANE, ((place, -1.0), (2.0, 2.0)))
     assert len(across[0]) == 0
     assert along[0].tolist() == [[4, k] for k in range(10)]
@@ -38,7 +38,7 @@ def test_a_front_on_the_lines_shares_no_face():
 
 
 def test_ends_corners_and_thin_bodies():
-    """A bed whose end is off the lines, too, shares no face at its corner; a body within a cell is beside no rock."""
+    """Top and end of a bed off the lines share faces, its corner none; nor does a body that lies within one cell."""
     along, across = shared(PLANE, ((0.0, 0.0), (0.57, 0.33)))
     assert along[0].tolist() == [[i, 3] for i in range(6)]
     assert along[2] == pytest.approx(0.3, rel=1e-5)
