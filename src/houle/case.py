@@ -40,7 +40,7 @@ class Case(Table):
     water: Annotated[
         tuple[Water, ...], Field(strict=False, min_length=1, description="where water stands at the start")
     ]
-    porous: Annotated[tuple[Porous, ...], Field(strict=False, description="porous bodies")] = ()
+    porous: Annotated[tuple[Porous, ...], Field(strict=False, max_length=100, description="porous bodies")] = ()
     solid: Annotated[tuple[Solid, ...], Field(strict=False, description="impermeable bodies")] = ()
     open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
     gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()

@@ -103,7 +103,7 @@ class _Section(NamedTuple):
             areas.append((int(medium), shapely.union_all(same)))
         areas.append((SOLID, solid))
         areas = [(medium, _repeated(grid, area)) for medium, area in areas if not area.is_empty]
-        edges = [_edges(grid, area, solid) for medium, area in areas if medium != SOLID]
+        edges = [_edges(grid, area, _repeated(grid, solid)) for medium, area in areas if medium != SOLID]
         on_line = ON_LINE * min(grid.spacing)
         inside = shapely.buffer(shapely.union_all([area for _, area in areas]), -on_line, join_style="mitre")
         wide = [(medium, shapely.buffer(area, on_line, join_style="mitre")) for medium, area in areas]
@@ -203,9 +203,12 @@ def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> Flo
         planes[here, d] = np.sum(normal * foot, axis=1)
         for column, sign in ((d + 1, -1.0), (d + 2, 1.0)):
             planes[here, column] = section.medium_at(*(foot + sign * aside * normal).T)
-    for low, high in itertools.pairwise(sections):
-        end, below, above = low.span[1], low.medium_at(x, z), high.medium_at(x, z)
-        across = (below != above) & (np.abs(centre[:, 1] - end) < nearest)
+    ends = [(low.span[1], low, high) for low, high in itertools.pairwise(sections)]
+    if d == 3 and grid.periodic[1]:
+        ends += [(end, sections[-1], sections[0]) for end in (0.0, grid.size[1])]
+    for end, low, high in ends:
+        below, above = low.medium_at(x, z), high.medium_at(x, z)
+        across = (below != above) & (below != SOLID) & (above != SOLID) & (np.abs(centre[:, 1] - end) < nearest)
         nearest[across] = np.abs(centre[across, 1] - end)
         planes[across] = [0.0, 1.0, 0.0, end, 0.0, 0.0]
         planes[across, -2], planes[across, -1] = below[across], above[across]
@@ -310,6 +313,7 @@ def _shared(
         other = np.maximum(other, 0)
         expected = (1.0 - share)[:, None] * pure[own] + share[:, None] * pure[other]
         kept = inside & (medium >= 0) & (np.abs(planes[:, b]) > 1.0 - PARALLEL) & (share > LEAST_SHARE)
+        kept &= ((index[:, axis] > 0) & (index[:, axis] < grid.shape[axis])) | grid.periodic[axis]
         kept &= (other != own) & (media[tuple(beside.T)] == other)
         kept &= np.isclose(expected, mean, rtol=1e-6, atol=0.0).all(axis=1)
         flat = [np.ravel_multi_index(tuple(i[kept].T), media.shape) for i in (index, beside)]
@@ -322,5 +326,7 @@ def _medium_at(grid: Grid, sections: Sequence[_Section], point: FloatArray) -> N
     found = np.full(len(point), SOLID, np.int8).view(np.uint8)  # in which a solid is the largest
     for section in sections:
         here = (point[:, 1] >= section.span[0]) & (point[:, 1] <= section.span[1]) | (grid.dimension == 2)
+        if grid.dimension == 3 and grid.periodic[1] and (section is sections[0] or section is sections[-1]):
+            here |= (point[:, 1] == 0.0) | (point[:, 1] == grid.size[1])  # where the last layer meets the first
         found[here] = np.minimum(found[here], section.medium_at(point[here, 0], point[here, -1]).view(np.uint8))
     return found.view(np.int8)

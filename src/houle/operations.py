@@ -225,7 +225,8 @@ def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) 
     """After the projection: shared faces have that of the medium at the centre again, moved by the same pressure."""
     u, mobility = flow.velocity[axis].ravel(), flow.mobility[axis].ravel()
     own, own_mobility, joint, joint_mobility = before
-    u[faces.face] = own + own_mobility / joint_mobility * (u[faces.face] - joint)
+    now, closed = u[faces.face], flow.open_faces[axis].ravel()[faces.face] == 0.0
+    u[faces.face] = np.where(closed, now, own + own_mobility / joint_mobility * (now - joint))
     mobility[faces.face] = own_mobility
 
 

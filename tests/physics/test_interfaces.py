@@ -174,3 +174,21 @@ def test_a_closed_tank_with_a_slab_off_the_lines_around_a_periodic_axis_converge
     )
     run(sim, 20)
     assert abs(sim.volume_drift) < 1e-12
+
+
+@pytest.mark.parametrize("transfer", ["fmpm", "flip"])
+def test_no_water_passes_the_floor_under_a_front_off_the_lines(transfer):
+    """The faces on the floor are closed, whatever media would share them."""
+    sim = simulation(
+        {
+            "case": {"name": "floor"},
+            "domain": {"size": [1.0, 0.4], "spacing": 0.02},
+            "water": [{"polygon": [[0.0, 0.0], [1.0, 0.0], [1.0, 0.2], [0.0, 0.3]]}],
+            "porous": [{"box": [[0.407, 0.0], [0.69, 0.4]], "porosity": 0.45, "resistance": {"a": 50.0, "b": 0.0}}],
+            "time": {"end": 0.3},
+        },
+        numerics__transfer=transfer,
+    )
+    while sim.time < 0.3:
+        sim.advance(0.3)
+        assert np.abs(sim.flow.velocity[1][:, 0]).max() == 0.0
