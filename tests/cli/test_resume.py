@@ -163,13 +163,19 @@ def test_a_failed_run_goes_on_from_before_the_failure(fake, monkeypatch):
 # ---- in a process of its own: signals
 
 
+def _hears_hang_ups() -> None:
+    """Also where the tests run under nohup, which a run of houle would heed."""
+    if os.name != "nt":
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 def start(directory: Path, case: houle.Case, **environment: str) -> subprocess.Popen[str]:
     """A run of the case in directory/run; returns when its first checkpoint is there."""
     (directory / "case.toml").write_text(case.to_toml())
     path = os.pathsep.join([str(CASES), *sys.path])
     process = subprocess.Popen(
         [sys.executable, "-c", SCRIPT], cwd=directory, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        env={**os.environ, "PYTHONPATH": path, **environment},
+        env={**os.environ, "PYTHONPATH": path, **environment}, preexec_fn=_hears_hang_ups,
     )  # fmt: skip
     deadline = time.monotonic() + 30
     while not (directory / "run" / "run.json").exists():
