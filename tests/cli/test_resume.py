@@ -165,8 +165,7 @@ def test_a_failed_run_goes_on_from_before_the_failure(fake, monkeypatch):
 
 def _hears_hang_ups() -> None:
     """Also where the tests run under nohup, which a run of houle would heed."""
-    if os.name != "nt":
-        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def start(directory: Path, case: houle.Case, **environment: str) -> subprocess.Popen[str]:
@@ -175,7 +174,7 @@ def start(directory: Path, case: houle.Case, **environment: str) -> subprocess.P
     path = os.pathsep.join([str(CASES), *sys.path])
     process = subprocess.Popen(
         [sys.executable, "-c", SCRIPT], cwd=directory, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-        env={**os.environ, "PYTHONPATH": path, **environment}, preexec_fn=_hears_hang_ups,
+        env={**os.environ, "PYTHONPATH": path, **environment}, preexec_fn=None if os.name == "nt" else _hears_hang_ups,
     )  # fmt: skip
     deadline = time.monotonic() + 30
     while not (directory / "run" / "run.json").exists():
