@@ -57,7 +57,7 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& poros
       Stencil<LinearKernel, D> st;
       st.set(g, at);
       if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
-      if (const Beside<LinearKernel, D> beside{st, stride, media, media.near(g, at), at}) {
+      if (const Beside<LinearKernel, D> beside{g, st, stride, media, at}) {
         const auto seen = beside.gather(u);
         for (int a = 0; a < D; ++a) at[a] = from[a] + time * seen[a];
         keep_inside(g, obstacles, from, at);

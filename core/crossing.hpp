@@ -30,7 +30,7 @@ template <int D, class Visit>
 inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
                       const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media, const double* x,
                       Visit visit) {
-  if (const Beside<LinearKernel, D> beside{st, stride, media, media.near(g, x), x})
+  if (const Beside<LinearKernel, D> beside{g, st, stride, media, x})
     beside.each([&](auto a, index f, double w, double, const auto&) { visit(a, f, w); });
   else
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
@@ -130,6 +130,7 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
       if (left > 1e-12) u[D * p + a] *= std::pow(before[D * p + a] / now, 0.5 * left);
       w[a] = root[a] * u[D * p + a];
     });
+    if (dt == 0.0) return;  // moved, but not in time: nothing turns
     st.template each<-1>(cells, [&](index c, double weight, double, const std::array<int, D>& k) {
       C += weight * coefficient[c];
       for (int a = 0; a < D; ++a)

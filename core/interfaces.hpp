@@ -61,10 +61,10 @@ struct Interfaces {
 template <class K, int D>
 class Beside {
  public:
-  // at may be null: the particle is far from any interface.
-  Beside(const Stencil<K, D>& stencil, const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media,
-         const Interface<D>* at, const double* x)
-      : stencil_(stencil), stride_(stride), media_(media), at_(at) {
+  Beside(const Grid<D>& g, const Stencil<K, D>& stencil, const std::array<std::array<index, D>, D>& stride,
+         const Interfaces<D>& media, const double* x)
+      : stencil_(stencil), stride_(stride), media_(media) {
+    const Interface<D>* at = media.near(g, x);
     if (!at) return;
     side_ = at->side(x);
     each_of<D>([&](auto a) {
@@ -104,7 +104,6 @@ class Beside {
   const Stencil<K, D>& stencil_;
   const std::array<std::array<index, D>, D>& stride_;
   const Interfaces<D>& media_;
-  const Interface<D>* at_;
   double side_ = 0;
   bool cut_ = false;
   double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all

@@ -200,7 +200,7 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
     for (index p = begin; p < end; ++p) {
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
-      if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+      if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
         give_beside(g, st, beside, cloud.mass[p], u + D * p, affine ? affine + D * D * p : nullptr, mass, velocity);
         continue;
       }
@@ -249,7 +249,7 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
     for (index p = begin; p < end; ++p) {
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
-      if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+      if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
         const auto seen = beside.gather(velocity);
         const double m = cloud.mass[p];
         beside.each([&](auto a, index f, double w, double sign, const auto&) {
@@ -283,7 +283,7 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
   parallel_for(cloud.n, [=](index p) {
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
-    if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+    if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
       const auto value = beside.gather(now);
       std::array<double, D> kept{};  // of the old velocity, where the implicit resistance has scaled it
       if (flip > 0.0) {
@@ -369,7 +369,7 @@ inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> v
   parallel_for(cloud.n, [=](index p) {
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
-    if (const Beside<K, D> beside{st, stride, cloud.media, cloud.media.near(g, cloud.x + D * p), cloud.x + D * p}) {
+    if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
       affine_beside(g, st, beside, velocity, affine + D * D * p);
       return;
     }

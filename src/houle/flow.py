@@ -13,7 +13,7 @@ from houle import _core
 from houle.columns import Capacity
 from houle.driven import Driven
 from houle.geometry import Box
-from houle.grid import Faces, FloatArray, Grid, widened
+from houle.grid import Faces, FloatArray, Grid, spread, widened
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.remesh import EVERYWHERE
@@ -154,11 +154,7 @@ class Flow:
     @cached_property
     def around_interface(self) -> NDArray[np.uint8]:
         """Those cells, and all that touch one."""
-        near = self.at_interface
-        for axis, wraps in enumerate(self.grid.periodic):
-            wide = widened(near, axis, wraps)
-            near = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, axis)
-        return np.ascontiguousarray(near, np.uint8)
+        return np.ascontiguousarray(spread(self.at_interface, self.grid.periodic), np.uint8)
 
     def open_passages(self) -> None:
         """Openness of the faces: that of the medium, in arrays of their own, less what the gates cover."""
@@ -266,8 +262,7 @@ class Flow:
         u = self.velocity[axis]
         if self.medium.shared and len(self.medium.shared[axis].face):
             faces, u = self.medium.shared[axis], u.copy()
-            every = u.ravel()
-            every[faces.face] += faces.share * (every[faces.beside] - every[faces.face])
+            u.ravel()[faces.face] = faces.mean(u)
         return u
 
     def pore_velocity(self) -> FloatArray:

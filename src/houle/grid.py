@@ -7,6 +7,7 @@ asked for, changed per axis by the least that makes a whole number of cells fill
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -108,3 +109,11 @@ def widened(values: NDArray, axis: int, periodic: bool) -> NDArray:
     """With one cell more on both sides of an axis, which is moved to the front: wrapped, or the last one again."""
     margins = [(int(a == axis),) * 2 for a in range(values.ndim)]
     return np.moveaxis(np.pad(values, margins, mode="wrap" if periodic else "edge"), axis, 0)
+
+
+def spread(marked: NDArray[np.bool_], periodic: Sequence[bool]) -> NDArray[np.bool_]:
+    """The marked cells and all that touch one, across corners too."""
+    for axis, wraps in enumerate(periodic):
+        wide = widened(marked, axis, wraps)
+        marked = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, axis)
+    return marked

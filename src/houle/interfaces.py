@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from shapely.affinity import affine_transform
 
 from houle.geometry import Span, covers, polygons
-from houle.grid import FloatArray, Grid, widened
+from houle.grid import FloatArray, Grid, spread, widened
 
 if TYPE_CHECKING:
     from houle.porous import Part, PorousBody
@@ -70,10 +70,7 @@ class Interfaces(NamedTuple):
     def oblique(self, grid: Grid) -> NDArray[np.bool_]:
         """Cells whose nearest interface is oblique, nearly parallel to faces of no axis, and those around them."""
         near = (self.number >= 0) & np.all(self.planes[:, : grid.dimension] ** 2 < ALONG, axis=1)[self.number]
-        for axis, wraps in enumerate(grid.periodic):
-            wide = widened(near, axis, wraps)
-            near = np.moveaxis(wide[:-2] | wide[1:-1] | wide[2:], 0, axis)
-        return near
+        return spread(near, grid.periodic)
 
 
 Kind = tuple[float, float, float, float, float]  # a, b, n, C_r and K of a medium
@@ -231,6 +228,14 @@ class Shared(NamedTuple):
     face: NDArray[np.int64]
     beside: NDArray[np.int64]
     share: FloatArray
+
+    def mean(self, field: FloatArray) -> FloatArray:
+        """Of a field on all faces of the axis, that of both media on these faces (K,); the face beside stands for the
+        other one.
+        """
+        every = field.ravel()
+        own = every[self.face]
+        return own + self.share * (every[self.beside] - own)
 
 
 def stand_along(

@@ -210,14 +210,12 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
 def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
     """Velocity and mobility of faces that two media share become the means over both media: what the pressure drives.
 
-    The face beside stands for the other medium. Returns, (K,) each, velocity [m/s] and mobility [s] of the medium at
-    the centre, and the same of both media together.
+    Returns, (K,) each, velocity [m/s] and mobility [s] of the medium at the centre, and the same of both media together.
     """
-    fields = [flow.velocity[axis].ravel(), flow.mobility[axis].ravel()]
-    own = [field[faces.face] for field in fields]
-    joint = [mine + faces.share * (field[faces.beside] - mine) for field, mine in zip(fields, own, strict=True)]
+    fields = (flow.velocity[axis], flow.mobility[axis])
+    own, joint = [field.ravel()[faces.face] for field in fields], [faces.mean(field) for field in fields]
     for field, both in zip(fields, joint, strict=True):
-        field[faces.face] = both
+        field.ravel()[faces.face] = both
     return own + joint
 
 

@@ -19,7 +19,7 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
-from houle.grid import Faces, FloatArray, Grid, SingleFaces, fixed, widened
+from houle.grid import Faces, FloatArray, Grid, SingleFaces, fixed, spread, widened
 from houle.interfaces import Interfaces, Shared, stand_along
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
@@ -273,10 +273,7 @@ def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> FloatArray:
         for field in (porosity, J):
             wide = widened(field, axis, wraps)
             same &= np.moveaxis((wide[:-2] == wide[1:-1]) & (wide[2:] == wide[1:-1]), 0, axis)
-    for axis, wraps in enumerate(grid.periodic):
-        wide = widened(same, axis, wraps)
-        same = np.moveaxis(wide[:-2] & wide[1:-1] & wide[2:], 0, axis)
-    return np.where(same, J, 0.0)
+    return np.where(spread(~same, grid.periodic), 0.0, J)
 
 
 def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:
