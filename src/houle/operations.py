@@ -210,7 +210,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
 def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
     """Velocity and mobility of faces that two media share become the means over both media: what the pressure drives.
 
-    Returns, (K,) each, velocity [m/s] and mobility [s] of the medium at the centre, and the same of both media together.
+    Returns, (K,) each, velocity [m/s] and mobility [s] of the medium at the centre, then the same of both media.
     """
     fields = (flow.velocity[axis], flow.mobility[axis])
     own, joint = [field.ravel()[faces.face] for field in fields], [faces.mean(field) for field in fields]
