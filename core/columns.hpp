@@ -51,7 +51,7 @@ inline void column_levels(const Grid<D>& g, const double* height, const double* 
                           const std::int64_t* start, const CapacityPiece* pieces, double* level) {
   const index nz = g.shape[D - 1];
   const double hz = g.h[D - 1], cell = g.cell_volume();
-  parallel_for_grid(g.cells() / nz, [=](index c) { level[c] = height[c] / porosity[c]; });
+  parallel_for(g.cells() / nz, [=](index c) { level[c] = height[c] / porosity[c]; });
   parallel_for(
       count,
       [=](index i) {

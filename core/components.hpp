@@ -103,7 +103,7 @@ class ClosedComponents {
   bool any_sealed(const Layout<D>& l, const Mask<D>& active, ConstFaces<D> k, const double* e) {
     const index n = l.n[D - 1];
     std::uint8_t* sealed = sealed_.data();
-    parallel_for_grid(
+    parallel_for(
         l.pencils,
         [=, &l, &active](index p) {
           sealed[p] = 0;

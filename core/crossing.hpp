@@ -68,7 +68,7 @@ inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Liste
                        double most, const std::array<std::uint8_t*, D>& held) {
   std::vector<std::uint8_t> cells(static_cast<std::size_t>(g.cells()));
   std::uint8_t* deep = cells.data();
-  parallel_for_grid(g.cells(), [=](index c) {
+  parallel_for(g.cells(), [=](index c) {
     const double ratio = contrast[c];
     deep[c] = ratio > 1.0 && ratio <= most && active[c] && without_air(g, active, open, c);
   });
@@ -77,7 +77,7 @@ inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Liste
     const index inner = stride[a], n = g.shape[a], end = g.periodic[a] ? 0 : (n - 1) * inner;
     const index begin = g.periodic[a] ? (n - 1) * inner : 0;
     std::uint8_t* out = held[a];
-    parallel_for_grid(
+    parallel_for(
         g.cells() / (n * inner) * (n + 1),
         [=](index r) {
           const index block = r / (n + 1), i = r % (n + 1);
@@ -199,7 +199,7 @@ inline void fall_behind(const Grid<D>& g, const Crossing<D>& medium, const Liste
     const double* ua = u[a];
     const std::uint8_t* held = medium.held[a];
     double* out = change[a];
-    parallel_for_grid(g.faces(a), [=](index f) {
+    parallel_for(g.faces(a), [=](index f) {
       out[f] = 0.0;
       const auto i = Grid<D>::unflat(f, g.face_shape(a));
       double x[D], y[D];

@@ -115,7 +115,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
     double *us = star[a], *dr = drag[a], *mo = mobility[a];
     if (!medium.table) {
       const double fall = dt * force;  // rounded here: in the loop, its vectors and its tail might not do the same
-      parallel_for_grid(g.faces(a), [=](index f) {
+      parallel_for(g.faces(a), [=](index f) {
         us[f] = ex ? ua[f] + dt * (force + ex[f]) : ua[f] + fall;
         if (dr) dr[f] = 1.0;
         if (mo) mo[f] = dt;
@@ -172,7 +172,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
       mo[f] = step;
       us[f] = ua[f] * kept + step * (force + (ex ? ex[f] : 0.0));
     };
-    parallel_for_grid(
+    parallel_for(
         g.faces(a) / line,
         [=](index r) {
           const FaceRow<D, a> row(g, Grid<D>::unflat(r, rows_of<D>(shape)), u, cells);

@@ -85,7 +85,7 @@ inline index floor_index(double s) {
 // end - 1 are in one slice.
 template <int D, class Body>
 inline void parallel_for_face_slices(const Grid<D>& g, Body body) {
-  parallel_for_grid(
+  parallel_for(
       g.shape[0] + 1,
       [=](index i) {
         for (int a = 0; a < D; ++a) {

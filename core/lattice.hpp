@@ -146,10 +146,8 @@ class Slabs {
   template <class Body>
   void scatter(Body body) const {  // body(p) for every particle
     const std::int32_t *start = start_.data(), *order = order_.data();
-    const double all = std::max(1, start_[count_]);
     parallel_for_coloured(
         count_, 2, [](index s) { return static_cast<int>(s % 2); },
-        [=](index s) { return 0.5 * (start[s] + start[s + 1]) / all; },
         [=](index s) {
           for (index q = start[s]; q < start[s + 1]; ++q) body(order[q]);
         });

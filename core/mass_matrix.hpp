@@ -75,7 +75,7 @@ class MassMatrix {
   void find_tops(const std::int32_t* start) {
     const index nz = grid_.shape[up];
     std::int32_t* top = top_.data();
-    parallel_for_grid(
+    parallel_for(
         static_cast<index>(top_.size()),
         [=](index r) {
           const std::int32_t* cell = start + r * nz;
@@ -179,7 +179,7 @@ class MassMatrix {
   void each_row(Visit visit) const {
     const Row* rows = rows_.data();
     const index line = line_;
-    parallel_for_grid(static_cast<index>(rows_.size()), [=](index r) { visit(r, rows[r], r * line); }, 16);
+    parallel_for(static_cast<index>(rows_.size()), [=](index r) { visit(r, rows[r], r * line); }, 16);
   }
 
   // mass = M 1, the weights of a particle having the sum 1; velocity = momentum / mass.

@@ -136,7 +136,7 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
   }
   constexpr index heavy = 64;
   auto *f = &fine, *c = &coarse;
-  parallel_for_grid(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
+  parallel_for(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
   lc.list(&lf, coarser);
   for_rows(
       lc,

@@ -1,4 +1,4 @@
-// Parallel loops, on the threads of team.hpp; a GPU build replaces these bodies and nothing else.
+// Parallel loops, on the threads of threads.hpp; a GPU build replaces these bodies and nothing else.
 //
 // Loop bodies capture pointers and scalars by value, allocate nothing and throw nothing. Every result is bitwise the
 // same for any number of threads: iterations are independent, and sums are formed over blocks of a fixed size, block
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "team.hpp"
+#include "threads.hpp"
 
 #if defined(_MSC_VER)
 #define HOULE_NOINLINE __declspec(noinline)
@@ -31,10 +31,6 @@
 
 namespace houle {
 
-inline void set_threads(int threads) { Team::shared().resize(threads); }
-
-inline int get_threads() { return Team::shared().size(); }
-
 // Part of a loop. Not inlined: the same instructions run for any number of threads, where two
 // compilations could contract multiply-adds differently. It works on a copy of the body that nothing else points to, so
 // that the compiler keeps in registers what it captured.
@@ -44,89 +40,27 @@ HOULE_NOINLINE inline void run_share(index begin, index end, const Body& shared)
   for (index i = begin; i < end; ++i) body(i);
 }
 
-template <class Body>
-inline Team::Loop loop_of(const Body& body, index chunk, int shares, int stages = 1) {
-  return {[](const void* b, index begin, index end) { run_share(begin, end, *static_cast<const Body*>(b)); }, &body,
-          chunk, shares, stages};
-}
-
-// The first of i = 0..n-1 that lies in a share or a later one. place(i) tells where in the work i lies, growing from 0
-// to 1.
-template <class Place>
-inline index share_bound(index n, int shares, int share, Place place) {
-  if (share == shares) return n;
-  index low = 0, high = n;
-  while (low < high) {
-    const index middle = (low + high) / 2;
-    if (place(middle) * shares < share)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
-
-// Calls body(i) for i = 0..n-1, in any order. bound(s, shares): where share s begins. grain: fewer iterations than this
-// per thread are not worth waking it.
-template <class Bound, class Body>
-inline void parallel_for_shares(index n, Bound bound, const Body& body, index grain) {
-  constexpr index most = 16;  // chunks per share: what the other threads can take over
-  Team& team = Team::shared();
-  const int shares = static_cast<int>(std::min<index>(team.size(), n / grain));
-  if (shares > 1) {
-    const index chunk = std::max((n + most * shares - 1) / (most * shares), grain / 4);
-    if (team.run(loop_of(body, chunk, shares), [=](int s) { return bound(s, shares); })) return;
-  }
-  run_share(0, n, body);
-}
-
+// Calls body(i) for i = 0..n-1, in any order. grain: fewer iterations than this are not worth waking a thread.
 template <class Body>
 inline void parallel_for(index n, const Body& body, index grain = 1024) {
-  parallel_for_shares(n, [=](int s, int shares) { return n * s / shares; }, body, grain);
+  constexpr index parts = 16;  // for each thread: what others can take over
+  const index threads = std::min<index>(get_threads(), n / grain);
+  if (threads < 2) return run_share(0, n, body);
+  const index part = std::max<index>({n / (parts * threads), grain / 4, 1});
+  share(n, part,
+        {[](const void* b, index begin, index end) { run_share(begin, end, *static_cast<const Body*>(b)); }, &body});
 }
 
-// Where share s of what lies along the first axis of the grid begins, n pieces in all: where the particles are cut.
-inline index grid_bound(index n, int s, int shares) {
-  const Team& team = Team::shared();
-  if (s == 0 || s == shares) return s == 0 ? index{0} : n;
-  const double share = static_cast<double>(s) / shares;
-  int i = 1;
-  while (i < Team::places && team.share_before(i) < share) ++i;
-  const double low = team.share_before(i - 1), high = team.share_before(i);
-  const double part = high > low ? std::clamp((share - low) / (high - low), 0.0, 1.0) : 0.0;
-  return static_cast<index>(static_cast<double>(n) * (i - 1 + part) / Team::places);
-}
-
-// The same for what lies along the first axis of the grid: cells, faces, rows of them.
-template <class Body>
-inline void parallel_for_grid(index n, const Body& body, index grain = 1024) {
-  parallel_for_shares(n, [n](int s, int shares) { return grid_bound(n, s, shares); }, body, grain);
-}
-
-// The same for iterations of unequal work.
-template <class Place, class Body>
-inline void parallel_for_placed(index n, Place place, const Body& body, index grain) {
-  parallel_for_shares(n, [=](int s, int shares) { return share_bound(n, shares, s, place); }, body, grain);
-}
-
-// Calls body(i) for few and heavy i = 0..n-1 (slabs), colour by colour: an i begins when those beside it, around the
-// end too, of the colours before its own are done. What is not beside it is not waited for.
-template <class Colour, class Place, class Body>
-inline void parallel_for_coloured(index n, int colours, Colour colour, Place place, const Body& body) {
-  Team& team = Team::shared();
-  const int shares = static_cast<int>(std::min<index>({team.size(), n, Team::most / colours}));
-  Done all(n), *done = &all;
-  const auto turn = [=](index k) {  // i in the pass of one colour
-    const int now = static_cast<int>(k / n);
-    const index i = k % n;
-    if (colour(i) != now) return;
-    for (const index beside : {(i + n - 1) % n, (i + 1) % n})
-      if (colour(beside) < now) done->wait(beside);
-    run_share(i, i + 1, body);
-    done->set(i);
-  };
-  const auto bound = [=](int s) { return s / shares * n + share_bound(n, shares, s % shares, place); };
-  if (shares < 2 || !team.run(loop_of(turn, 1, shares, colours), bound)) run_share(0, colours * n, turn);
+// Calls body(i) for few and heavy i = 0..n-1 (slabs), one colour after the other.
+template <class Colour, class Body>
+inline void parallel_for_coloured(index n, int colours, Colour colour, const Body& body) {
+  for (int now = 0; now < colours; ++now)
+    parallel_for(
+        n,
+        [=](index i) {
+          if (colour(i) == now) body(i);
+        },
+        1);
 }
 
 // Operations 0 .. count - 1 on every slice: op(k, from, to), on the slices from .. to - 1, reads what operation k - 1
@@ -142,7 +76,7 @@ inline void parallel_in_turn(index slices, int count, index work, Bound bound, c
   const index narrowest = 2 * count, wanted = std::min<index>({get_threads(), most, work / enough});
   const index blocks = std::max<index>(1, std::min(wanted, slices / (2 * narrowest)));
   if (blocks < wanted && work > 64 * count * enough) {
-    for (int k = 0; k < count; ++k) parallel_for_shares(slices, bound, [=](index i) { op(k, i, i + 1); }, 1);
+    for (int k = 0; k < count; ++k) parallel_for(slices, [=](index i) { op(k, i, i + 1); }, 1);
     return;
   }
   if (blocks == 1) {
@@ -161,8 +95,7 @@ inline void parallel_in_turn(index slices, int count, index work, Bound bound, c
     for (int k = 0; k < count; ++k) op(k, from + k * a, to + k * b);
   };
   const auto colour = [](index q) { return static_cast<int>(q % 2); };
-  const auto place = [=](index q) { return static_cast<double>(q) / static_cast<double>(2 * blocks); };
-  parallel_for_coloured(2 * blocks - 1, 2, colour, place, part);
+  parallel_for_coloured(2 * blocks - 1, 2, colour, part);
 }
 
 // reduce over i of body(i) with `combine`, in blocks of fixed size: the same bits for any number of threads.
@@ -196,7 +129,7 @@ template <class Body>
 inline std::vector<double> parallel_values(index n, Body body, index grain = 16) {
   std::vector<double> value(static_cast<std::size_t>(n));
   double* values = value.data();
-  parallel_for_grid(n, [=](index i) { values[i] = body(i); }, grain);
+  parallel_for(n, [=](index i) { values[i] = body(i); }, grain);
   return value;
 }
 

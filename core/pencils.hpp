@@ -27,7 +27,6 @@ struct Pencil {
   std::int32_t lo, hi;      // ... and these are inside [lo, hi), whole vectors
   std::int32_t parity;      // cell j = 2 m + s is of colour (parity + s) % 2
   std::int32_t parent_parity;
-  index before;  // entries of the pencils listed before
 };
 
 struct Seam {         // a pencil at one end of a periodic axis and the ghost pencil beyond the other end
@@ -111,7 +110,6 @@ struct Layout {
     load.assign(n[0] + 1, 0);
   }
 
-  double part() const { return 1.0 / static_cast<double>(std::max<index>(1, load[n[0]])); }  // that an entry is of all
   bool wrapped() const { return shift > 0 || !seams.empty(); }
 
   std::array<index, D> place(index pencil) const {  // its indices; the last entry is unused
@@ -171,7 +169,6 @@ struct Layout {
         }
         if (finer) r.child = finer->offset(fine);
         if (coarser) r.parent = coarser->offset(coarse);
-        r.before = load[i[0] + 1];
         rows.push_back(r);
         load[i[0] + 1] += r.hi - r.lo;
       }
@@ -204,7 +201,7 @@ class Mask {
     auto* self = this;
     auto* l = &layout;
     const index n = layout.n[D - 1];
-    parallel_for_grid(
+    parallel_for(
         layout.pencils,
         [=](index p) {
           const auto i = l->place(p);
@@ -245,10 +242,8 @@ class Mask {
 template <int D, class Body>
 inline void for_rows(const Layout<D>& l, Body body, index weight = 1) {
   const Pencil* rows = l.rows.data();
-  parallel_for_placed(
-      static_cast<index>(l.rows.size()),
-      [=, part = l.part()](index i) { return part * static_cast<double>(rows[i].before); },
-      [=](index i) { body(rows[i]); }, std::max<index>(1, l.grain / weight));
+  parallel_for(
+      static_cast<index>(l.rows.size()), [=](index i) { body(rows[i]); }, std::max<index>(1, l.grain / weight));
 }
 
 // Calls body(s, i, n) for the entries [i, i + n) of one colour in one pencil; s is 0 or 1: they are the cells j = 2 m +
@@ -287,7 +282,7 @@ inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
   const index grain = std::max<index>(1, l.grain * slices / l.pencils);
   for (int k = 0; k < count; ++k) {
     before(k);
-    parallel_for_shares(slices, bound, [=](index i) { run(k, i, i + 1); }, grain);
+    parallel_for(slices, [=](index i) { run(k, i, i + 1); }, grain);
   }
 }
 

@@ -135,9 +135,9 @@ class PressureSolver {
   void build_fine(ConstFaces<D> k, const double* e) {
     auto* self = this;
     auto& l = fine();
-    parallel_for_grid(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
+    parallel_for(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
     l.list(nullptr, coarser(0));
-    parallel_for_grid(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
+    parallel_for(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
     auto& level = levels_[0];
     for (int a = 0; a < D; ++a)
       for (int c = 0; c < 2; ++c) {
@@ -226,7 +226,7 @@ class PressureSolver {
   void load(const Number* p, const double* rhs) {  // the first guess, the right-hand side
     auto* self = this;
     const index n = grid_.shape[D - 1];
-    parallel_for_grid(
+    parallel_for(
         fine().pencils,
         [=](index r) {
           auto& l = self->fine();
@@ -253,7 +253,7 @@ class PressureSolver {
   void store(double* to, float* single) {
     auto* self = this;
     const index n = grid_.shape[D - 1];
-    parallel_for_grid(
+    parallel_for(
         fine().pencils,
         [=](index p) {
           auto& l = self->fine();
@@ -306,9 +306,8 @@ class PressureSolver {
     const auto n = static_cast<index>(fine().rows.size());
     const int colours = this->colours();
     const index blocks = (n + block - 1) / block;
-    const double share = fine().part();
-    parallel_for_placed(
-        blocks, [=](index b) { return share * static_cast<double>(rows[b * block].before); },
+    parallel_for(
+        blocks,
         [=](index b) {
           double lanes[multigrid::width] = {};
           for (index p = b * block; p < std::min(n, (b + 1) * block); ++p)

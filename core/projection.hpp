@@ -27,7 +27,7 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
   });
   constexpr int up = D - 1;
   const index nz = g.shape[up];
-  parallel_for_grid(
+  parallel_for(
       g.cells() / nz,
       [=](index r) {
         const index row = r * nz, top = top_of(active + row, nz);
@@ -103,7 +103,7 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
         ua[f] -= factor * p[high] / surface_fraction(depth[high], depth[low], least);
       }
     };
-    parallel_for_grid(
+    parallel_for(
         g.faces(a) / line,
         [=](index r) {
           const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
@@ -217,7 +217,7 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
   const index slices = g.shape[0] + 1;
   const auto bound = [=](int s, int shares) { return slices * s / shares; };
   if (g.periodic[0])
-    for (int k = 0; k <= layers; ++k) parallel_for_shares(slices, bound, [=](index i) { operation(k, i, i + 1); }, 16);
+    for (int k = 0; k <= layers; ++k) parallel_for(slices, [=](index i) { operation(k, i, i + 1); }, 16);
   else
     parallel_in_turn(slices, layers + 1, D * (layers + 1) * g.cells(), bound, operation);
   close_periodic(g, u);
@@ -232,7 +232,7 @@ inline void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* a
   constexpr int up = D - 1;
   const index nz = g.shape[up], columns = g.cells() / nz;
   const auto shape = rows_of<D>(g.shape);
-  parallel_for_grid(
+  parallel_for(
       columns,
       [=](index c) {
         if (std::isnan(column[c])) return;

@@ -27,7 +27,7 @@ inline void column_heights(const Grid<D>& g, const std::int32_t* start, const do
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];
   const index across = D == 3 ? g.shape[1] : 1;
-  parallel_for_grid(columns, [=](index c) { height[c] = 0.0; });
+  parallel_for(columns, [=](index c) { height[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
       const double v = volume[p] / area;
@@ -70,7 +70,7 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
     return k;
   };
   // level of the water in a single-valued column, in cells; NaN where there is no such thing
-  parallel_for_grid(
+  parallel_for(
       columns,
       [=](index c) {
         const double* F = fill + c * nz;
@@ -89,7 +89,7 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
   std::array<index, D> shape = g.shape;
   shape[D - 1] = 1;
   const auto stride = Grid<D>::strides(shape);
-  parallel_for_grid(
+  parallel_for(
       columns,
       [=](index c) {
         const auto i = Grid<D>::unflat(c, shape);

@@ -24,9 +24,6 @@ inline index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t*
       },
       [](index a, index b) { return std::min(a, b); });
   counting_sort(n, cells, cell, order, start);
-  const index nx = g.shape[0], plane = cells / nx;
-  for (int i = 1; i <= Team::places && n > 0; ++i)
-    Team::shared().tell(i, static_cast<double>(start[nx * i / Team::places * plane]) / static_cast<double>(n));
   return outside < n ? outside : -1;
 }
 
@@ -74,9 +71,7 @@ inline void each_slab(const Grid<D>& g, const std::int32_t* start, const Slab& s
   const auto first = [=](index s) { return start[(s == slabs ? nx : s * columns) * plane]; };
   const bool third = g.periodic[0] && slabs % 2 == 1;  // the last around a periodic axis touches the first
   const auto colour = [=](index s) { return third && s == slabs - 1 ? 2 : static_cast<int>(s % 2); };
-  const double all = static_cast<double>(std::max<index>(1, first(slabs)));
-  const auto place = [=](index s) { return 0.5 * static_cast<double>(first(s) + first(s + 1)) / all; };
-  parallel_for_coloured(slabs, third ? 3 : 2, colour, place, [=](index s) { slab(first(s), first(s + 1)); });
+  parallel_for_coloured(slabs, third ? 3 : 2, colour, [=](index s) { slab(first(s), first(s + 1)); });
 }
 
 // On a periodic axis the last face is the first.
@@ -118,7 +113,7 @@ template <int D>
 inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
                           const Paddles& paddles, const double* factor, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
-  parallel_for_grid(g.cells(), [=](index c) { out[c] = 0.0; });
+  parallel_for(g.cells(), [=](index c) { out[c] = 0.0; });
   each_slab(g, start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
       const double v = amount[p];
@@ -131,7 +126,7 @@ inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const dou
       each_image(g, paddles, x + D * p, add);
     }
   });
-  if (factor) parallel_for_grid(g.cells(), [=](index c) { out[c] *= factor[c]; });
+  if (factor) parallel_for(g.cells(), [=](index c) { out[c] *= factor[c]; });
 }
 
 // Cell field at particle positions, (bi/tri)linear with walls folded: out (n,).
@@ -194,7 +189,7 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double *m = mass[a], *v = velocity[a];
-    parallel_for_grid(g.faces(a), [=](index f) { m[f] = v[f] = 0.0; });
+    parallel_for(g.faces(a), [=](index f) { m[f] = v[f] = 0.0; });
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
@@ -228,7 +223,7 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   });
   for (int a = 0; a < D; ++a) {
     double *m = mass[a], *v = velocity[a];
-    parallel_for_grid(g.faces(a), [=](index f) { v[f] = m[f] > 0.0 ? v[f] / m[f] : 0.0; });
+    parallel_for(g.faces(a), [=](index f) { v[f] = m[f] > 0.0 ? v[f] / m[f] : 0.0; });
   }
   close_periodic(g, mass);
   close_periodic(g, velocity);
@@ -243,7 +238,7 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
   const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double* r = work[a];
-    parallel_for_grid(g.faces(a), [=](index f) { r[f] = 0.0; });
+    parallel_for(g.faces(a), [=](index f) { r[f] = 0.0; });
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
@@ -268,7 +263,7 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
   for (int a = 0; a < D; ++a) {
     const double *m = mass[a], *r = work[a];
     double* v = velocity[a];
-    parallel_for_grid(g.faces(a), [=](index f) { v[f] += m[f] > 0.0 ? r[f] / m[f] : 0.0; });
+    parallel_for(g.faces(a), [=](index f) { v[f] += m[f] > 0.0 ? r[f] / m[f] : 0.0; });
   }
   close_periodic(g, velocity);
 }

@@ -9,7 +9,7 @@ namespace houle {
 template <int D>
 inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double constant, double* nu) {
   const double filter = constant * std::pow(g.cell_volume(), 1.0 / D);
-  parallel_for_grid(g.cells(), [=](index c) {
+  parallel_for(g.cells(), [=](index c) {
     const auto i = Grid<D>::unflat(c, g.shape);
     double sum = 0.0;
     for (int a = 0; a < D; ++a)
@@ -84,7 +84,7 @@ inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D
     double* o = out[a];
     std::array<double, D> inverse_h2;
     for (int b = 0; b < D; ++b) inverse_h2[b] = 1.0 / (g.h[b] * g.h[b]);
-    parallel_for_grid(
+    parallel_for(
         g.faces(a) / line,
         [=](index r) {
           const index row = r * line;

@@ -118,11 +118,11 @@ def test_headers_of_the_core_know_no_python():
 
 
 def test_threads_have_one_home():
-    """Loops are written in parallel.hpp and run by team.hpp: a build for another kind of machine replaces these."""
-    threads = re.compile(r"#pragma omp|omp_\w+\(|<omp\.h>|std::(j?thread|async|atomic|\w*mutex)\b")
+    """Loops are written in parallel.hpp and run by threads.hpp: a build for another kind of machine replaces these."""
+    threads = re.compile(r"#pragma omp|omp_\w+\(|<omp\.h>|std::(j?thread|async|atomic|\w*mutex)\b|tbb/")
     named = {path.name for path in CORE.iterdir() if threads.search(path.read_text(encoding="utf-8"))}
-    assert named == {"team.hpp", "team.cpp"}
-    users = {path.name for path in CORE.glob("*.hpp") if "team.hpp" in includes(path)}
+    assert named == {"threads.cpp"}
+    users = {path.name for path in CORE.glob("*.hpp") if "threads.hpp" in includes(path)}
     assert users == {"parallel.hpp"}
 
 

@@ -135,7 +135,7 @@ FORK = """
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
 def test_a_child_forked_while_another_thread_computes_does_not_hang():
-    """It has none of the threads of its parent; it takes new ones if it asks for them."""
+    """It has none of the threads of its parent, and computes on its own."""
     here = Path(__file__).parent
     script = textwrap.dedent(FORK).format(here=str(here), above=str(here.parent))
     done = subprocess.run([sys.executable, "-W", "ignore", "-c", script], capture_output=True, text=True)

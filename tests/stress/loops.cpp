@@ -1,10 +1,13 @@
-// Stress test of the thread team: every iteration of every loop runs exactly once, with the body of its own loop, and
-// is done when the loop returns; slabs of a later colour find those beside them done; sums have the same bits.
+// Stress test of parallel loops: every iteration of every loop runs exactly once, with the body of its own loop, and is
+// done when the loop returns; slabs of a later colour find those beside them done; sums have the same bits; loops of
+// two callers at once and loops in loops do not meet, nor do they mind that the number of threads is set meanwhile.
 //
-//     team THREADS LOOPS [SEED]      exit status 0 if no loop was wrong
+//     loops THREADS LOOPS [SEED]      exit status 0 if no loop was wrong
 //
-// Built with core/team.cpp and HOULE_PREEMPT=preempt(), it takes the core from threads at the worst places, now and
-// then, for up to 0.2 ms. That is what a busy machine does once in ten thousand loops.
+// The core is taken from iterations now and then, for up to 0.2 ms. That is what a busy machine does once in ten
+// thousand loops.
+#include <tbb/global_control.h>
+
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -14,9 +17,15 @@
 #include <thread>
 #include <vector>
 
-static std::atomic<std::uint64_t> seed{1};
+#include "../../core/parallel.hpp"
 
-static void preempt() {
+using namespace houle;
+
+namespace {
+
+std::atomic<std::uint64_t> seed{1};
+
+void preempt() {
   thread_local std::uint64_t state = seed.fetch_add(0x9e3779b97f4a7c15u) | 1;
   state ^= state << 13, state ^= state >> 7, state ^= state << 17;
   if (state % 512 == 0)
@@ -24,14 +33,6 @@ static void preempt() {
   else if (state % 64 == 1)
     std::this_thread::yield();
 }
-
-#define HOULE_PREEMPT() preempt()
-#include "../../core/parallel.hpp"
-#include "../../core/team.cpp"
-
-using namespace houle;
-
-namespace {
 
 constexpr index MOST = 512;
 
@@ -43,7 +44,7 @@ struct Found {
 // A loop of n iterations, each counted in its own place. `current` names the loop under way: an iteration that finds
 // another name there ran after its loop had returned.
 void plain_loop(index n, std::vector<std::atomic<unsigned>>& count, Found& found) {
-  static std::atomic<long> current{0}, late{0};
+  static thread_local std::atomic<long> current{0}, late{0};
   const long mine = ++current;
   for (index i = 0; i < n; ++i) count[i].store(0, std::memory_order_relaxed);
   auto* counts = count.data();
@@ -51,6 +52,7 @@ void plain_loop(index n, std::vector<std::atomic<unsigned>>& count, Found& found
   parallel_for(
       n,
       [=](index i) {
+        preempt();
         counts[i].fetch_add(1, std::memory_order_relaxed);
         if (now->load(std::memory_order_relaxed) != mine) missed->fetch_add(1);
       },
@@ -68,8 +70,8 @@ void coloured_loop(index n, long name, std::vector<long>& written, Found& found)
   char* wrong = bad.data();
   parallel_for_coloured(
       n, 2, [](index i) { return static_cast<int>(i % 2); },
-      [=](index i) { return static_cast<double>(i) / static_cast<double>(n); },
       [=](index i) {
+        preempt();
         if (i % 2 == 1) wrong[i] = value[i - 1] != name || value[i + 1] != name;
         value[i] = name;
       });
@@ -81,32 +83,60 @@ void sum(index n, double expected, Found& found) {
   found.sums += total != expected;
 }
 
+// Each iteration of the outer loop has a loop of its own.
+void nested_loop(index n, Found& found) {
+  std::vector<double> inner(static_cast<std::size_t>(n), 0.0);
+  double* sums = inner.data();
+  parallel_for(
+      n, [=](index i) { sums[i] = parallel_sum(2000, [=](index j) { return static_cast<double>(i * j); }); }, 1);
+  for (index i = 0; i < n; ++i) found.sums += inner[i] != static_cast<double>(i) * 1999.0 * 1000.0;
+}
+
+constexpr index SUMMED = 20000, SLABS = 33;
+
+// One caller's loops of all kinds.
+void stress(long loops, double expected, Found& found) {
+  constexpr index lengths[] = {16, 512, 24, 256};
+  std::vector<std::atomic<unsigned>> count(MOST);
+  std::vector<long> written(SLABS, 0);
+  while (found.loops < loops) {
+    const long k = ++found.loops;
+    if (k % 8 == 0)
+      coloured_loop(SLABS, k, written, found);
+    else if (k % 16 == 4)
+      nested_loop(8, found);
+    else if (k % 8 == 4)
+      sum(SUMMED, expected, found);
+    else
+      plain_loop(lengths[k % 4], count, found);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) return std::fprintf(stderr, "usage: team THREADS LOOPS [SEED]\n"), 2;
+  if (argc < 3) return std::fprintf(stderr, "usage: loops THREADS LOOPS [SEED]\n"), 2;
   const int threads = std::atoi(argv[1]);
   const long loops = std::atol(argv[2]);
   if (argc > 3) seed = static_cast<std::uint64_t>(std::atoll(argv[3]));
 
-  constexpr index summed = 20000, slabs = 33, lengths[] = {16, 512, 24, 256};
   set_threads(1);
   const double expected =
-      parallel_reduce(summed, 0.0, [](index i) { return 1.0 / static_cast<double>(i + 1); }, std::plus<>());
+      parallel_reduce(SUMMED, 0.0, [](index i) { return 1.0 / static_cast<double>(i + 1); }, std::plus<>());
+  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads) + 1);
   set_threads(threads);
+  if (get_threads() != threads) return std::printf("no %d threads\n", threads), 1;
 
-  std::vector<std::atomic<unsigned>> count(MOST);
-  std::vector<long> written(slabs, 0);
-  Found found;
-  while (found.loops < loops) {
-    const long k = ++found.loops;
-    if (k % 8 == 0)
-      coloured_loop(slabs, k, written, found);
-    else if (k % 8 == 4)
-      sum(summed, expected, found);
-    else
-      plain_loop(lengths[k % 4], count, found);
+  Found found, other;
+  std::thread second([&] { stress(loops - loops / 2, expected, other); });
+  stress(loops / 2, expected, found);
+  for (int k = 0; k < 20; ++k) {  // the other may still be at work
+    set_threads(1 + k % threads);
+    stress(found.loops + 1, expected, found);
   }
+  second.join();
+  found.loops += other.loops, found.wrong += other.wrong, found.late += other.late;
+  found.out_of_order += other.out_of_order, found.sums += other.sums;
   std::printf("threads %d, loops %ld: wrong %ld, late %ld, out of order %ld, other sums %ld\n", threads, found.loops,
               found.wrong, found.late, found.out_of_order, found.sums);
   return found.all() == 0 ? 0 : 1;
