@@ -57,13 +57,11 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& poros
       Stencil<LinearKernel, D> st;
       st.set(g, at);
       if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
-      if (const Beside<LinearKernel, D> beside{g, st, stride, media, at}) {
-        const auto seen = beside.gather(u);
-        for (int a = 0; a < D; ++a) at[a] = from[a] + time * seen[a];
-        keep_inside(g, obstacles, from, at);
-        return;
-      }
-      each_of<D>([&](auto a) { at[a] = from[a] + time * st.template gather<a>(stride[a], u[a]); });
+      std::array<double, D> v;
+      const auto take = [&](const Beside<LinearKernel, D>& beside) { v = beside.gather(u); };
+      if (!beside_interface<LinearKernel, D>(g, stride, media, at, 0.0, take))
+        each_of<D>([&](auto a) { v[a] = st.template gather<a>(stride[a], u[a]); });
+      for (int a = 0; a < D; ++a) at[a] = from[a] + time * v[a];
       keep_inside(g, obstacles, from, at);
     };
     if (own) {

@@ -354,20 +354,24 @@ inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const cha
   return field ? listed_of(g, *field, name) : Listed{};
 }
 
-// number of each cell, list (K, D + 3), medium of the faces: houle.interfaces.Interfaces
-using OptionalInterfaces = std::optional<std::tuple<Numbers, Given, std::vector<Array<const std::int8_t>>>>;
+// number of each cell, and for the linear kernel, list (K, D + 3), medium of the faces: houle.interfaces.Interfaces
+using OptionalInterfaces = std::optional<std::tuple<Numbers, Numbers, Given, std::vector<Array<const std::int8_t>>>>;
 
 template <int D>
 inline Interfaces<D> interfaces_of(const Grid<D>& g, const OptionalInterfaces& interfaces) {
   static_assert(sizeof(Interface<D>) == (D + 3) * sizeof(double));
   if (!interfaces) return {};
-  const auto& [number, list, medium] = *interfaces;
+  const auto& [number, close, list, medium] = *interfaces;
   const auto all = rows<Interface<D>>(list, "interfaces: list");
-  const auto v = number.view("interfaces: number");
-  if (!has_shape(v, g.shape.data(), D, g.cells()))
-    wrong_size(v, "interfaces: number", "the " + std::to_string(g.cells()) + " cells of the grid");
-  require_table(v, "interfaces: number", Table::some, all.n);
-  return {v.data, all.data, faces(g, medium, "interfaces: medium")};
+  const auto table = [&](const Numbers& rows, const char* name) {
+    const auto v = rows.view(name);
+    if (!has_shape(v, g.shape.data(), D, g.cells()))
+      wrong_size(v, name, "the " + std::to_string(g.cells()) + " cells of the grid");
+    require_table(v, name, Table::some, all.n);
+    return v.data;
+  };
+  return {table(number, "interfaces: number"), table(close, "interfaces: close"), all.data,
+          faces(g, medium, "interfaces: medium")};
 }
 
 // Where the particles of each cell begin, as cell_sort leaves it, for loops over slabs of columns: they read it at the

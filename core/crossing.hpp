@@ -18,11 +18,11 @@ template <int D>
 struct Crossing {
   ConstFaces<D, std::int32_t> number;  // of the material of each face
   const Material* table;
-  Listed contrast;                   // cells: by how much C_r/n^2 differs a few cells around; 1: not at all
+  Listed uniform;                    // cells: J where a particle meets one medium only, else 0
   ConstFaces<D, std::uint8_t> held;  // faces: 1 where the Bernoulli force acts
   Interfaces<D> media{};
 
-  bool here(const Grid<D>& g, const double* x) const { return contrast[place_of<D>(g, x).cell] > 1.0; }
+  bool mixed(const Grid<D>& g, const double* x) const { return !(uniform[place_of<D>(g, x).cell] > 0.0); }
 };
 
 // visit(axis, face, weight) for the faces as the particle at x sees them.
@@ -30,23 +30,23 @@ template <int D, class Visit>
 inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
                       const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media, const double* x,
                       Visit visit) {
-  if (const Beside<LinearKernel, D> beside{g, st, stride, media, x})
+  const auto own = [&](const Beside<LinearKernel, D>& beside) {
     beside.each([&](auto a, index f, double w, double, const auto&) { visit(a, f, w); });
-  else
+  };
+  if (!beside_interface<LinearKernel, D>(g, stride, media, x, 0.0, own))
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
 }
 
 // The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D) along each axis,
-// linear from its faces, so that to gather the particles' momentum on the faces makes no energy. uniform (cells): J
-// where a particle meets one medium only, else 0.
+// linear from its faces, so that to gather the particles' momentum on the faces makes no energy.
 template <int D>
-inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity,
-                          const Listed& uniform, const double* x, const double* volume, double* bulk, float* inertia) {
+inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
+                          const double* volume, double* bulk, float* inertia) {
   const auto stride = face_strides(g);
   const auto cells = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     const index cell = place_of<D>(g, x + D * p).cell;
-    if (const double J = uniform[cell]; J > 0.0) {
+    if (const double J = medium.uniform[cell]; J > 0.0) {
       bulk[p] = volume[p] / porosity[cell];
       std::fill_n(inertia + D * p, D, static_cast<float>(J));
       return;
@@ -118,16 +118,21 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
   const auto stride = face_strides(g);
   const auto cells = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
-    if (!medium.here(g, x + D * p)) return;
     Stencil<LinearKernel, D> st;
-    st.set(g, x + D * p);
+    if (lag) st.set(g, x + D * p);
     const double along = lag ? 1.0 - st.template gather<-1>(cells, lag) : 1.0;
-    double w[D], root[D], slope[D] = {}, C = 0.0;
+    double now[D], w[D], root[D], slope[D] = {}, C = 0.0;
+    bool same = true;
+    for (int a = 0; a < D; ++a) {
+      now[a] = inertia[D * p + a] * (bulk[p] / volume[p]) * along;
+      same &= now[a] == before[D * p + a];
+    }
+    if (same && (dt == 0.0 || !medium.mixed(g, x + D * p))) return;
+    if (!lag) st.set(g, x + D * p);
     each_of<D>([&](auto a) {
       const double left = 1.0 - held_share<a, D>(st, stride, medium.held);
-      const double now = inertia[D * p + a] * (bulk[p] / volume[p]) * along;
-      root[a] = std::sqrt(now);
-      if (left > 1e-12) u[D * p + a] *= std::pow(before[D * p + a] / now, 0.5 * left);
+      root[a] = std::sqrt(now[a]);
+      if (left > 1e-12) u[D * p + a] *= std::pow(before[D * p + a] / now[a], 0.5 * left);
       w[a] = root[a] * u[D * p + a];
     });
     if (dt == 0.0) return;  // moved, but not in time: nothing turns
@@ -246,11 +251,21 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
                    double* u, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(n, [=](index p) {
-    if (!medium.here(g, x + D * p)) return;
+    if (!medium.mixed(g, x + D * p)) return;
     Stencil<LinearKernel, D> st;
     st.set(g, x + D * p);
-    double mean[D] = {}, inertia[D] = {}, energy[D] = {}, least[D], most[D] = {};
-    std::fill(least, least + D, 1e300);
+    bool unlike[D] = {}, any = false;
+    each_of<D>([&](auto a) {
+      double first = 0.0;
+      st.template each<a>(stride[a], [&](index f, double, double) {
+        const double J = medium.table[medium.number[a][f]].inertia;
+        first = first > 0.0 ? first : J;
+        unlike[a] |= J != first;
+      });
+      any |= unlike[a];
+    });
+    if (!any) return;
+    double mean[D] = {}, inertia[D] = {}, energy[D] = {};
     each_seen<D>(g, st, stride, medium.media, x + D * p, [&](auto a, index f, double w) {
       const double J = medium.table[medium.number[a][f]].inertia, v = velocity[a][f];
       mean[a] += w * v;
@@ -258,14 +273,7 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
       energy[a] += w * J * v * v;
     });
     each_of<D>([&](auto a) {
-      st.template each<a>(stride[a], [&](index f, double, double) {
-        const double J = medium.table[medium.number[a][f]].inertia;
-        least[a] = std::min(least[a], J);
-        most[a] = std::max(most[a], J);
-      });
-    });
-    each_of<D>([&](auto a) {
-      if (least[a] == most[a]) return;
+      if (!unlike[a]) return;
       const double share = held_share<a, D>(st, stride, medium.held), made = inertia[a] * mean[a] * mean[a];
       u[D * p + a] = mean[a] * (made > energy[a] ? share + (1.0 - share) * std::sqrt(energy[a] / made) : 1.0);
       if (affine)

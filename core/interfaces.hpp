@@ -36,11 +36,16 @@ struct Interface {
 template <int D>
 struct Interfaces {
   const std::int32_t* number = nullptr;  // cells: of the interface in the list, -1 far from any; null: there are none
+  const std::int32_t* close = nullptr;   // the same; -1 also where the linear kernel meets faces of one medium only
   const Interface<D>* list = nullptr;
   ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
 
+  // What a particle at x has to know of, which sees faces by the kernel K.
+  template <class K>
   const Interface<D>* near(const Grid<D>& g, const double* x) const {
-    return number ? in(place_of<D>(g, x).cell) : nullptr;
+    if (!number) return nullptr;
+    const std::int32_t k = (std::is_same_v<K, LinearKernel> ? close : number)[place_of<D>(g, x).cell];
+    return k < 0 ? nullptr : list + k;
   }
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
   // Whether a face of axis a lies on the side of that medium.
@@ -61,25 +66,25 @@ struct Interfaces {
 template <class K, int D>
 class Beside {
  public:
-  Beside(const Grid<D>& g, const Stencil<K, D>& stencil, const std::array<std::array<index, D>, D>& stride,
-         const Interfaces<D>& media, const double* x)
-      : stencil_(stencil), stride_(stride), media_(media) {
-    const Interface<D>* at = media.near(g, x);
-    if (!at) return;
-    side_ = at->side(x);
+  // at: the interface nearest to the particle at x; side: edge of the particle [m]
+  Beside(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media,
+         const Interface<D>& at, const double* x, double side)
+      : stride_(stride), media_(media), side_(at.side(x)) {
+    stencil_.set(g, x, side);
     each_of<D>([&](auto a) {
       double all = 0.0, own = 0.0;
-      stencil.template each<a>(stride[a], [&](index f, double w, double) {
+      stencil_.template each<a>(stride[a], [&](index f, double w, double) {
         all += w;
         own += is_own(a, f) ? w : 0.0;
       });
       total_[a] = 1.0 / all;
-      own_[a] = !at->across(a) && own > K::least_own * all ? 1.0 / own : 0.0;
+      own_[a] = !at.across(a) && own > K::least_own * all ? 1.0 / own : 0.0;
       cut_ = cut_ || (own != all && own_[a] > 0.0);
     });
   }
 
   explicit operator bool() const { return cut_; }  // whether it sees less than all faces around
+  const Stencil<K, D>& stencil() const { return stencil_; }
 
   // visit(axis, face, weight, sign of the mirrored normal component, offsets)
   template <class Visit>
@@ -101,14 +106,33 @@ class Beside {
   }
 
  private:
-  const Stencil<K, D>& stencil_;
+  Stencil<K, D> stencil_;
   const std::array<std::array<index, D>, D>& stride_;
   const Interfaces<D>& media_;
-  double side_ = 0;
+  double side_;
   bool cut_ = false;
   double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
 
   bool is_own(int a, index f) const { return media_.is_own(a, f, side_); }
 };
+
+template <class K, int D, class Body>
+HOULE_NOINLINE inline bool see_less(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
+                                    const Interfaces<D>& media, const Interface<D>& at, const double* x, double side,
+                                    const Body& body) {
+  const Beside<K, D> beside(g, stride, media, at, x, side);
+  if (beside) body(beside);
+  return static_cast<bool>(beside);
+}
+
+// Calls body(beside) and returns true where the particle at x sees less than all faces around it. Not inlined, and with
+// a stencil of its own: that of the many particles far from any interface stays in registers.
+template <class K, int D, class Body>
+[[gnu::always_inline]] inline bool beside_interface(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
+                                                    const Interfaces<D>& media, const double* x, double side,
+                                                    const Body& body) {
+  const Interface<D>* at = media.template near<K>(g, x);
+  return at && see_less<K, D>(g, stride, media, *at, x, side, body);
+}
 
 }  // namespace houle

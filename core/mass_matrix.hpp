@@ -159,7 +159,8 @@ class MassMatrix {
           face[c] = row * line + reach[up].node[c & 1];
           weight[c] = w;
         });
-        if (const auto* at = media.near(g, cloud.x + D * p)) media.own(a, *at, cloud.x + D * p, corners, face, weight);
+        if (const auto* at = media.template near<LinearKernel>(g, cloud.x + D * p))
+          media.own(a, *at, cloud.x + D * p, corners, face, weight);
         const double m = cloud.mass[p], mu = m * u[D * p + a];
         unrolled<corners>([&](auto c) {
           double* at = store + node[c];

@@ -155,11 +155,10 @@ struct Cloud {
 
 // The centre (D, D) of the faces of each axis, as a particle beside an interface sees them, from the particle [m].
 template <class K, int D>
-inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, const Stencil<K, D>& st,
-                                                            const Beside<K, D>& beside) {
+inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, const Beside<K, D>& beside) {
   std::array<std::array<double, D>, D> centre{};
   beside.each([&](auto a, index, double w, double, const auto& k) {
-    const auto r = st.template distance<a>(g, k);
+    const auto r = beside.stencil().template distance<a>(g, k);
     for (int b = 0; b < D; ++b) centre[a][b] += w * r[b];
   });
   return centre;
@@ -167,13 +166,13 @@ inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, co
 
 // What a particle beside an interface gives to the masses and momenta of the faces; affine (D, D) or null.
 template <class K, int D>
-inline void give_beside(const Grid<D>& g, const Stencil<K, D>& st, const Beside<K, D>& beside, double m,
-                        const double* u, const double* affine, const Faces<D>& mass, const Faces<D>& momentum) {
-  const auto centre = affine ? centre_of_faces(g, st, beside) : std::array<std::array<double, D>, D>{};
+inline void give_beside(const Grid<D>& g, const Beside<K, D>& beside, double m, const double* u, const double* affine,
+                        const Faces<D>& mass, const Faces<D>& momentum) {
+  const auto centre = affine ? centre_of_faces(g, beside) : std::array<std::array<double, D>, D>{};
   beside.each([&](auto a, index f, double w, double sign, const auto& k) {
     double value = u[a];
     if (affine) {
-      const auto r = st.template distance<a>(g, k);
+      const auto r = beside.stencil().template distance<a>(g, k);
       for (int b = 0; b < D; ++b) value += affine[D * a + b] * (r[b] - centre[a][b]);
     }
     mass[a][f] += m * w;
@@ -193,12 +192,12 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
+      const auto give = [&, p](const Beside<K, D>& beside) {
+        give_beside(g, beside, cloud.mass[p], u + D * p, affine ? affine + D * D * p : nullptr, mass, velocity);
+      };
+      if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), give)) continue;
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
-      if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
-        give_beside(g, st, beside, cloud.mass[p], u + D * p, affine ? affine + D * D * p : nullptr, mass, velocity);
-        continue;
-      }
       each_of<D>([&](auto a) {
         double *m = mass[a], *v = velocity[a];
         const double up = u[D * p + a], scale = cloud.mass[p] / st.template total<a>();
@@ -242,16 +241,16 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      Stencil<K, D> st;
-      st.set(g, cloud.x + D * p, cloud.edge(p));
-      if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
+      const auto give = [&, p](const Beside<K, D>& beside) {
         const auto seen = beside.gather(velocity);
         const double m = cloud.mass[p];
         beside.each([&](auto a, index f, double w, double sign, const auto&) {
           work[a][f] += w * sign * m * (u[D * p + a] - seen[a]);
         });
-        continue;
-      }
+      };
+      if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), give)) continue;
+      Stencil<K, D> st;
+      st.set(g, cloud.x + D * p, cloud.edge(p));
       each_of<D>([&](auto a) {
         double* r = work[a];
         const double lacking = u[D * p + a] - st.template gather<a>(stride[a], velocity[a]);
@@ -276,9 +275,7 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
                          ConstFaces<D> drag, double flip, double* u) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
-    Stencil<K, D> st;
-    st.set(g, cloud.x + D * p, cloud.edge(p));
-    if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
+    const auto take = [&, p](const Beside<K, D>& beside) {
       const auto value = beside.gather(now);
       std::array<double, D> kept{};  // of the old velocity, where the implicit resistance has scaled it
       if (flip > 0.0) {
@@ -287,8 +284,10 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
         for (int a = 0; a < D; ++a) kept[a] = kept[a] * u[D * p + a] + added[a];
       }
       for (int a = 0; a < D; ++a) u[D * p + a] = flip * kept[a] + (1.0 - flip) * value[a];
-      return;
-    }
+    };
+    if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), take)) return;
+    Stencil<K, D> st;
+    st.set(g, cloud.x + D * p, cloud.edge(p));
     each_of<D>([&](auto a) {
       double& up = u[D * p + a];
       const double value = st.template gather<a>(stride[a], now[a]);
@@ -337,13 +336,12 @@ inline void least_squares(double (&M)[D][D], double (&b)[D], double* x) {
 // centre and their mean, by least squares: what it would give back to them has no more energy than they have. (Where it
 // does not see all corners of a box, the moments along different axes are not independent, as they are elsewhere.)
 template <class K, int D>
-inline void affine_beside(const Grid<D>& g, const Stencil<K, D>& st, const Beside<K, D>& beside, ConstFaces<D> velocity,
-                          double* affine) {
+inline void affine_beside(const Grid<D>& g, const Beside<K, D>& beside, ConstFaces<D> velocity, double* affine) {
   const auto mean = beside.gather(velocity);
-  const auto centre = centre_of_faces(g, st, beside);
+  const auto centre = centre_of_faces(g, beside);
   double first[D][D] = {}, second[D][D][D] = {};
   beside.each([&](auto a, index f, double w, double sign, const auto& k) {
-    const auto r = st.template distance<a>(g, k);
+    const auto r = beside.stencil().template distance<a>(g, k);
     double from[D];
     for (int b = 0; b < D; ++b) from[b] = (r[b] - centre[a][b]) / g.h[b];
     for (int b = 0; b < D; ++b) {
@@ -362,12 +360,10 @@ template <class K, int D>
 inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
+    const auto take = [&, p](const Beside<K, D>& beside) { affine_beside(g, beside, velocity, affine + D * D * p); };
+    if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), take)) return;
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
-    if (const Beside<K, D> beside{g, st, stride, cloud.media, cloud.x + D * p}) {
-      affine_beside(g, st, beside, velocity, affine + D * D * p);
-      return;
-    }
     each_of<D>([&](auto a) {
       double first[D] = {}, second[D] = {};
       st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {

@@ -124,7 +124,7 @@ class Flow:
     @property
     def crossing(self) -> tuple:
         """The medium as the core takes it for particles that cross from one porosity to another."""
-        return self.medium.material, self.medium.materials, self.medium.listed("contrast")
+        return self.medium.material, self.medium.materials, self.medium.listed("uniform")
 
     @property
     def lag(self) -> tuple[NDArray[np.int32], FloatArray] | None:
@@ -132,8 +132,10 @@ class Flow:
         return self.medium.listed("lag") if "lag" in self.medium.kinds else None
 
     @cached_property
-    def edges(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Faces of each axis that have another inertia than one beside them, and those beside them (K, 2 d): flat."""
+    def edges(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64], FloatArray, FloatArray]]:
+        """Faces of each axis that have another inertia than one beside them (K,), and those beside them (K, 2 d), flat;
+        then the inertia of the ones and of the others.
+        """
         found = []
         for faces in self.medium.on_faces(0) if self.porous else []:
             number, beside = np.arange(faces.size).reshape(faces.shape), []
@@ -143,7 +145,7 @@ class Flow:
             around = np.stack(beside, axis=1)
             inertia = faces.ravel()
             where = np.flatnonzero((inertia[around] != inertia[:, None]).any(axis=1))
-            found.append((where, around[where]))
+            found.append((where, around[where], inertia[where], inertia[around[where]]))
         return found
 
     @cached_property
@@ -217,9 +219,9 @@ class Flow:
         """Bulk volume and inertia at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
-            pores = (self.medium.listed("particle_porosity"), self.medium.listed("uniform"))
+            pores = self.medium.listed("particle_porosity")
             particles = (p.position, p.volume, self._bulk, self.inertia)
-            _core.sample_medium(core, *self.crossing, *pores, *particles, self.medium.interfaces)
+            _core.sample_medium(core, *self.crossing, pores, *particles, self.medium.interfaces)
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 

@@ -36,6 +36,8 @@ class Interfaces(NamedTuple):
 
     number  cells  int32: the row of `planes` that holds the interface nearest to the centre of the cell; -1 where no
             interface is within `REACH`
+    close   cells  int32: the same, for particles that see faces by the linear kernel: -1 also where all faces that
+            they can see are in one medium
     planes  (K, d + 3) unit normal, its product with a point on the plane [m], and the media on the sides where that
             product is less, and more
     medium  faces  int8: number of the medium at the centre of the face, 0 clear water, -1 in a solid; on an interface
@@ -43,6 +45,7 @@ class Interfaces(NamedTuple):
     """
 
     number: NDArray[np.int32]
+    close: NDArray[np.int32]
     planes: FloatArray
     medium: list[NDArray[np.int8]]
 
@@ -65,7 +68,8 @@ class Interfaces(NamedTuple):
         on_it = ON_LINE * min(grid.spacing)  # what lies on an interface is in the medium that resists less
         planes[:, -3] += np.where(planes[:, -2] < planes[:, -1], on_it, -on_it)
         medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
-        return cls(number, np.ascontiguousarray(planes), medium)
+        close = np.where(_several_seen(grid, medium), number, np.int32(-1))
+        return cls(number, close, np.ascontiguousarray(planes), medium)
 
     def oblique(self, grid: Grid) -> NDArray[np.bool_]:
         """Cells whose nearest interface is oblique, nearly parallel to faces of no axis, and those around them."""
@@ -183,6 +187,22 @@ def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
             around.append(np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, axis))
         low, high = around
     return low != high
+
+
+def _several_seen(grid: Grid, medium: list[NDArray[np.int8]]) -> NDArray[np.bool_]:
+    """Cells in which the linear kernel of a particle can reach faces of one axis in several media."""
+    found = np.zeros(grid.shape, bool)
+    for axis, number in enumerate(medium):
+        seen = []
+        for choose, none in ((np.minimum, np.int8(127)), (np.maximum, np.int8(-1))):
+            faces = np.moveaxis(np.where(number == SOLID, none, number), axis, 0)
+            cells = np.moveaxis(choose(faces[:-1], faces[1:]), 0, axis)  # both of its faces, and those beside them
+            for across in set(range(grid.dimension)) - {axis}:
+                wide = widened(cells, across, grid.periodic[across])
+                cells = np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, across)
+            seen.append(cells)
+        found |= seen[0] < seen[1]
+    return found
 
 
 def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> FloatArray:

@@ -198,7 +198,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         _part_sides(flow, axis, faces, side)
     for plane in flow.driven:
         plane.impose(flow)
-    own = [u.ravel()[where] for u, (where, _) in zip(flow.velocity, flow.edges, strict=False)]
+    own = [u.ravel()[where] for u, (where, *_) in zip(flow.velocity, flow.edges, strict=False)]
     _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
     _limit_carried(flow, own)
@@ -232,13 +232,15 @@ def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:
     """Where the inertia of the faces changes, a velocity carried outwards has no more energy than the water there had,
     or a face beside that has a pressure: u_d carried from clear water into pores would be many times that.
     """
-    for axis, ((where, around), before) in enumerate(zip(flow.edges, own, strict=True)):
-        inertia = flow.medium.materials[flow.medium.material[axis].ravel(), 0]
+    for axis, ((where, around, inertia, others), before) in enumerate(zip(flow.edges, own, strict=True)):
         u, known = flow.velocity[axis].ravel(), flow.work.valid[axis].ravel() == 1
-        beside = np.where(known[around], inertia[around] * u[around] ** 2, 0.0).max(axis=1, initial=0.0)
-        most = np.sqrt(np.maximum(beside, inertia[where] * before**2) / inertia[where])
-        carried = np.clip(u[where], -most, most)
-        u[where] = np.where(known[where], u[where], carried)
+        carried = ~known[where]
+        if not carried.any():
+            continue
+        face, near, J = where[carried], around[carried], inertia[carried]
+        beside = np.where(known[near], others[carried] * u[near] ** 2, 0.0).max(axis=1, initial=0.0)
+        most = np.sqrt(np.maximum(beside, J * before[carried] ** 2) / J)
+        u[face] = np.clip(u[face], -most, most)
 
 
 def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:

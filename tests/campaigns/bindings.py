@@ -129,7 +129,7 @@ class World:
             solver.setup(self.flags(), self.faces(0.0, 1.0), cells)
         inertia = self.each(d).astype(np.float32)
         none = [np.zeros(f.shape, np.int32) for f in faces]
-        crossing = {"number": m.material or none, "table": m.materials, "contrast": m.listed("contrast")}
+        crossing = {"number": m.material or none, "table": m.materials, "uniform": m.listed("uniform")}
         halves = tuple(2 * k for k in self.grid.shape)
         named = lambda name, arguments, *written: (name, getattr(_core, name), arguments, written)  # noqa: E731
         return [
@@ -141,7 +141,7 @@ class World:
             named("scatter_cells", {"grid": g, "start": start, "position": x, "amount": volume, "out": cells,
                                     "paddles": paddles, "factor": self.cells()}, "out"),
             named("gather_cells", {"grid": g, "position": x, "field": cells, "out": np.zeros(n)}, "out"),
-            named("sample_medium", {"grid": g, **crossing, "porosity": pores, "uniform": m.listed("uniform"),
+            named("sample_medium", {"grid": g, **crossing, "porosity": pores,
                                     "position": x, "volume": volume, "bulk": np.zeros(n),
                                     "inertia": np.zeros((n, d), np.float32), **beside}, "bulk", "inertia"),
             named("hold_faces", {"grid": g, "active": self.flags(), "open": m.listed("open_cells"),

@@ -32,7 +32,6 @@ class Pores:
         self.table[:, 0] = np.concatenate([f.ravel() for f in self.inertia])
         self.porosity = random.uniform(0.05, 1.0, grid.shape)
         self.coefficient = random.uniform(1.0, 8.0, grid.shape)
-        self.contrast = grid.cells(2.0)
         share = random.random() if held is None else held
         self.held = [(f < share).astype(np.uint8) for f in random_faces(grid, random, 0.0, 1.0)]
         self.x, self.start = in_order(grid, scattered(grid, random, 25))
@@ -41,12 +40,12 @@ class Pores:
 
     @property
     def medium(self):
-        return self.number, self.table, numbered(self.contrast)
+        return self.number, self.table, numbered(np.zeros(self.grid.shape))
 
     def sample(self, x):
         bulk, inertia = np.zeros(len(x)), np.zeros(x.shape, np.float32)
-        pores = numbered(self.porosity), numbered(np.zeros(self.grid.shape))
-        _core.sample_medium(self.grid.core, *self.medium, *pores, x, self.volume, bulk, inertia)
+        pores = numbered(self.porosity)
+        _core.sample_medium(self.grid.core, *self.medium, pores, x, self.volume, bulk, inertia)
         return bulk, inertia
 
     def carry(self, to, dt, lag=None):
