@@ -47,11 +47,15 @@ static Resistance<D> resistance_of(const Grid<D>& g, const FaceNumbers& number, 
 
 template <int D>
 static Crossing<D> crossing_of(const Grid<D>& g, const FaceNumbers& number, const Given& table,
-                               const ListedField& uniform, const GivenMasks* held,
+                               const ListedField& inertia, const ListedField& uniform, const GivenMasks* held,
                                const OptionalInterfaces& interfaces = {}) {
   const auto materials = materials_of(table);
-  return {numbers_of(g, number, materials.n, false), materials.data, listed_of(g, uniform, "uniform"),
-          held ? faces(g, *held, "held") : ConstFaces<D, std::uint8_t>(), interfaces_of(g, interfaces)};
+  return {numbers_of(g, number, materials.n, false),
+          materials.data,
+          listed_of(g, inertia, "inertia"),
+          listed_of(g, uniform, "uniform"),
+          held ? faces(g, *held, "held") : ConstFaces<D, std::uint8_t>(),
+          interfaces_of(g, interfaces)};
 }
 
 template <int D>
@@ -462,10 +466,10 @@ static void bind_crossing(nb::module_& m) {
   using G = const Grid<D>&;
   define(
       m, "sample_medium",
-      [](G g, FaceNumbers number, Given table, ListedField uniform, ListedField porosity, Given x, Given volume,
-         Field bulk, Array<float> inertia, OptionalInterfaces interfaces) {
+      [](G g, FaceNumbers number, Given table, ListedField one, ListedField uniform, ListedField porosity, Given x,
+         Given volume, Field bulk, Array<float> inertia, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
-        const auto medium = crossing_of<D>(g, number, table, uniform, nullptr, interfaces);
+        const auto medium = crossing_of<D>(g, number, table, one, uniform, nullptr, interfaces);
         const Listed pores = listed_of(g, porosity, "porosity");
         const double* v = entries(volume, at.n, "volume");
         double* b = entries(bulk, at.n, "bulk");
@@ -473,8 +477,9 @@ static void bind_crossing(nb::module_& m) {
         nb::gil_scoped_release release;
         sample_medium<D>(g, at.n, medium, pores, at.data, v, b, J);
       },
-      "grid"_a, "number"_a, "table"_a, "uniform"_a, "porosity"_a, "position"_a, "volume"_a, "bulk"_a, "inertia"_a,
-      "interfaces"_a = nb::none(), "Bulk volume and inertia at the particles, linear from the cells and the faces.");
+      "grid"_a, "number"_a, "table"_a, "one"_a, "uniform"_a, "porosity"_a, "position"_a, "volume"_a, "bulk"_a,
+      "inertia"_a, "interfaces"_a = nb::none(),
+      "Bulk volume and inertia at the particles, linear from the cells and the faces.");
   define(
       m, "hold_faces",
       [](G g, GivenMask active, ListedField open, ListedField contrast, double most, std::vector<Mask> held) {
@@ -488,10 +493,11 @@ static void bind_crossing(nb::module_& m) {
       "Faces near porous ones where the pressure of the water on both sides holds its flux.");
   define(
       m, "carry",
-      [](G g, FaceNumbers number, Given table, ListedField uniform, GivenMasks held, ListedField coefficient, double dt,
-         Given x, Given volume, Given bulk, Array<const float> inertia, Given before, Field u, OptionalListed lag) {
+      [](G g, FaceNumbers number, Given table, ListedField one, ListedField uniform, GivenMasks held,
+         ListedField coefficient, double dt, Given x, Given volume, Given bulk, Array<const float> inertia,
+         Given before, Field u, OptionalListed lag) {
         const auto at = points<D>(x, "position");
-        const auto medium = crossing_of<D>(g, number, table, uniform, &held);
+        const auto medium = crossing_of<D>(g, number, table, one, uniform, &held);
         const Listed C = listed_of(g, coefficient, "coefficient"), behind = listed_of(g, lag, "lag");
         const double *v = entries(volume, at.n, "volume"), *b = entries(bulk, at.n, "bulk"),
                      *s2 = entries(before, at.n * D, "before");
@@ -500,22 +506,22 @@ static void bind_crossing(nb::module_& m) {
         nb::gil_scoped_release release;
         carry<D>(g, at.n, medium, C, behind, dt, at.data, v, b, J, s2, uu);
       },
-      "grid"_a, "number"_a, "table"_a, "uniform"_a, "held"_a, "coefficient"_a, "dt"_a, "position"_a, "volume"_a,
-      "bulk"_a, "inertia"_a, "before"_a, "u"_a, "lag"_a = nb::none(),
+      "grid"_a, "number"_a, "table"_a, "one"_a, "uniform"_a, "held"_a, "coefficient"_a, "dt"_a, "position"_a,
+      "volume"_a, "bulk"_a, "inertia"_a, "before"_a, "u"_a, "lag"_a = nb::none(),
       "Velocities of particles that nothing holds, with the energy they had.");
   define(
       m, "fall_behind",
-      [](G g, FaceNumbers number, Given table, ListedField uniform, GivenMasks held, ListedField lag,
+      [](G g, FaceNumbers number, Given table, ListedField one, ListedField uniform, GivenMasks held, ListedField lag,
          ListedField porosity, Givens velocity, double dt, Fields change, OptionalInterfaces interfaces) {
-        const auto medium = crossing_of<D>(g, number, table, uniform, &held, interfaces);
+        const auto medium = crossing_of<D>(g, number, table, one, uniform, &held, interfaces);
         const Listed behind = listed_of(g, lag, "lag"), pores = listed_of(g, porosity, "porosity");
         const auto u = faces(g, velocity, "velocity");
         const auto out = faces(g, change, "change");
         nb::gil_scoped_release release;
         fall_behind<D>(g, medium, behind, pores, u, dt, out);
       },
-      "grid"_a, "number"_a, "table"_a, "uniform"_a, "held"_a, "lag"_a, "porosity"_a, "velocity"_a, "dt"_a, "change"_a,
-      "interfaces"_a = nb::none(),
+      "grid"_a, "number"_a, "table"_a, "one"_a, "uniform"_a, "held"_a, "lag"_a, "porosity"_a, "velocity"_a, "dt"_a,
+      "change"_a, "interfaces"_a = nb::none(),
       "Change of the velocity on faces as momentum moves with less than the velocity of the water.");
   define(
       m, "cell_energy",
@@ -542,17 +548,17 @@ static void bind_crossing(nb::module_& m) {
       "grid"_a, "share"_a, "position"_a, "u"_a, "Velocities of particles times the share of their cell.");
   define(
       m, "settle",
-      [](G g, FaceNumbers number, Given table, ListedField uniform, GivenMasks held, Givens velocity, Given x, Field u,
-         std::optional<Field> affine, OptionalInterfaces interfaces) {
+      [](G g, FaceNumbers number, Given table, ListedField one, ListedField uniform, GivenMasks held, Givens velocity,
+         Given x, Field u, std::optional<Field> affine, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
-        const auto medium = crossing_of<D>(g, number, table, uniform, &held, interfaces);
+        const auto medium = crossing_of<D>(g, number, table, one, uniform, &held, interfaces);
         const auto v = faces(g, velocity, "velocity");
         double *uu = entries(u, at.n * D, "u"), *gradient = entries(affine, at.n * D * D, "affine");
         nb::gil_scoped_release release;
         settle<D>(g, at.n, medium, v, at.data, uu, gradient);
       },
-      "grid"_a, "number"_a, "table"_a, "uniform"_a, "held"_a, "velocity"_a, "position"_a, "u"_a, "affine"_a.none(),
-      "interfaces"_a = nb::none(),
+      "grid"_a, "number"_a, "table"_a, "one"_a, "uniform"_a, "held"_a, "velocity"_a, "position"_a, "u"_a,
+      "affine"_a.none(), "interfaces"_a = nb::none(),
       "Velocities of particles that nothing holds, with no more energy than the faces around them have.");
 }
 

@@ -18,11 +18,10 @@ template <int D>
 struct Crossing {
   ConstFaces<D, std::int32_t> number;  // of the material of each face
   const Material* table;
-  Listed uniform;                    // cells: J where a particle meets one medium only, else 0
+  Listed inertia;                    // cells: J of all faces that a particle there sees; 0: several
+  Listed uniform;                    // the same; 0 also where a particle meets several porosities
   ConstFaces<D, std::uint8_t> held;  // faces: 1 where the Bernoulli force acts
   Interfaces<D> media{};
-
-  bool mixed(const Grid<D>& g, const double* x) const { return !(uniform[place_of<D>(g, x).cell] > 0.0); }
 };
 
 // visit(axis, face, weight) for the faces as the particle at x sees them.
@@ -37,27 +36,37 @@ inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
 }
 
-// The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D) along each axis,
-// linear from its faces, so that to gather the particles' momentum on the faces makes no energy.
+// J along each axis at x, linear from its faces, so that to gather the particles' momentum on the faces makes no
+// energy.
+template <int D>
+HOULE_NOINLINE inline void sample_inertia(const Grid<D>& g, const Crossing<D>& medium,
+                                          const Stencil<LinearKernel, D>& st, const double* x, float* inertia) {
+  double sum[D] = {};
+  each_seen<D>(g, st, face_strides(g), medium.media, x,
+               [&](auto a, index f, double w) { sum[a] += w * medium.table[medium.number[a][f]].inertia; });
+  for (int a = 0; a < D; ++a) inertia[a] = static_cast<float>(sum[a]);
+}
+
+// The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D).
 template <int D>
 inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
                           const double* volume, double* bulk, float* inertia) {
-  const auto stride = face_strides(g);
   const auto cells = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     const index cell = place_of<D>(g, x + D * p).cell;
-    if (const double J = medium.uniform[cell]; J > 0.0) {
+    float* J = inertia + D * p;
+    if (const double one = medium.uniform[cell]; one > 0.0) {
       bulk[p] = volume[p] / porosity[cell];
-      std::fill_n(inertia + D * p, D, static_cast<float>(J));
+      std::fill_n(J, D, static_cast<float>(one));
       return;
     }
     Stencil<LinearKernel, D> st;
     st.set(g, x + D * p);
     bulk[p] = volume[p] / st.template gather<-1>(cells, porosity);
-    double sum[D] = {};
-    each_seen<D>(g, st, stride, medium.media, x + D * p,
-                 [&](auto a, index f, double w) { sum[a] += w * medium.table[medium.number[a][f]].inertia; });
-    for (int a = 0; a < D; ++a) inertia[D * p + a] = static_cast<float>(sum[a]);
+    if (const double one = medium.inertia[cell]; one > 0.0)
+      std::fill_n(J, D, static_cast<float>(one));
+    else
+      sample_inertia(g, medium, st, x + D * p, J);
   });
 }
 
@@ -127,7 +136,7 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
       now[a] = inertia[D * p + a] * (bulk[p] / volume[p]) * along;
       same &= now[a] == before[D * p + a];
     }
-    if (same && (dt == 0.0 || !medium.mixed(g, x + D * p))) return;
+    if (same && (dt == 0.0 || medium.uniform[place_of<D>(g, x + D * p).cell] > 0.0)) return;
     if (!lag) st.set(g, x + D * p);
     each_of<D>([&](auto a) {
       const double left = 1.0 - held_share<a, D>(st, stride, medium.held);
@@ -251,7 +260,7 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
                    double* u, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(n, [=](index p) {
-    if (!medium.mixed(g, x + D * p)) return;
+    if (medium.inertia[place_of<D>(g, x + D * p).cell] > 0.0) return;
     Stencil<LinearKernel, D> st;
     st.set(g, x + D * p);
     bool unlike[D] = {}, any = false;

@@ -272,7 +272,7 @@ struct Place {
 };
 
 template <int D>
-inline Place place_of(const Grid<D>& g, const double* x) {
+[[gnu::always_inline]] inline Place place_of(const Grid<D>& g, const double* x) {
   Place place{0, true};
   for (int a = 0; a < D; ++a) {
     const double s = x[a] / g.h[a], n = static_cast<double>(g.shape[a]);

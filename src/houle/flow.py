@@ -124,7 +124,8 @@ class Flow:
     @property
     def crossing(self) -> tuple:
         """The medium as the core takes it for particles that cross from one porosity to another."""
-        return self.medium.material, self.medium.materials, self.medium.listed("uniform")
+        m = self.medium
+        return m.material, m.materials, m.listed("inertia"), m.listed("uniform")
 
     @property
     def lag(self) -> tuple[NDArray[np.int32], FloatArray] | None:

@@ -7,7 +7,7 @@ asked for, changed per axis by the least that makes a whole number of cells fill
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -109,6 +109,24 @@ def widened(values: NDArray, axis: int, periodic: bool) -> NDArray:
     """With one cell more on both sides of an axis, which is moved to the front: wrapped, or the last one again."""
     margins = [(int(a == axis),) * 2 for a in range(values.ndim)]
     return np.moveaxis(np.pad(values, margins, mode="wrap" if periodic else "edge"), axis, 0)
+
+
+Choose = Callable[[NDArray, NDArray], NDArray]  # np.minimum or np.maximum
+
+
+def beside(choose: Choose, cells: NDArray, axis: int, periodic: Sequence[bool]) -> NDArray:
+    """Of each cell and the two beside it along an axis, the one to choose."""
+    wide = widened(cells, axis, periodic[axis])
+    return np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, axis)
+
+
+def seen(choose: Choose, faces: NDArray, axis: int, periodic: Sequence[bool]) -> NDArray:
+    """Of the faces of an axis that a particle in each cell can see by the linear kernel, the one to choose (cells)."""
+    along = np.moveaxis(faces, axis, 0)
+    cells = np.moveaxis(choose(along[:-1], along[1:]), 0, axis)  # its two faces, and those of the cells beside it
+    for across in set(range(faces.ndim)) - {axis}:
+        cells = beside(choose, cells, across, periodic)
+    return cells
 
 
 def spread(marked: NDArray[np.bool_], periodic: Sequence[bool]) -> NDArray[np.bool_]:

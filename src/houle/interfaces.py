@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from shapely.affinity import affine_transform
 
 from houle.geometry import Span, covers, polygons
-from houle.grid import FloatArray, Grid, spread, widened
+from houle.grid import FloatArray, Grid, beside, seen, spread
 
 if TYPE_CHECKING:
     from houle.porous import Part, PorousBody
@@ -181,11 +181,7 @@ def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
         low = np.minimum(np.delete(low, np.s_[1::2], axis), np.delete(low, np.s_[0::2], axis))
         high = np.maximum(np.delete(high, np.s_[1::2], axis), np.delete(high, np.s_[0::2], axis))
     for axis, _ in itertools.product(range(grid.dimension), range(REACH)):
-        around = []
-        for field, choose in ((low, np.minimum), (high, np.maximum)):
-            wide = widened(field, axis, grid.periodic[axis])
-            around.append(np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, axis))
-        low, high = around
+        low, high = beside(np.minimum, low, axis, grid.periodic), beside(np.maximum, high, axis, grid.periodic)
     return low != high
 
 
@@ -193,15 +189,8 @@ def _several_seen(grid: Grid, medium: list[NDArray[np.int8]]) -> NDArray[np.bool
     """Cells in which the linear kernel of a particle can reach faces of one axis in several media."""
     found = np.zeros(grid.shape, bool)
     for axis, number in enumerate(medium):
-        seen = []
-        for choose, none in ((np.minimum, np.int8(127)), (np.maximum, np.int8(-1))):
-            faces = np.moveaxis(np.where(number == SOLID, none, number), axis, 0)
-            cells = np.moveaxis(choose(faces[:-1], faces[1:]), 0, axis)  # both of its faces, and those beside them
-            for across in set(range(grid.dimension)) - {axis}:
-                wide = widened(cells, across, grid.periodic[across])
-                cells = np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, across)
-            seen.append(cells)
-        found |= seen[0] < seen[1]
+        least = seen(np.minimum, np.where(number == SOLID, np.int8(127), number), axis, grid.periodic)
+        found |= least < seen(np.maximum, number, axis, grid.periodic)
     return found
 
 

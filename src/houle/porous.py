@@ -19,7 +19,7 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.geometry import Shape, Span, covers, layers, section
-from houle.grid import Faces, FloatArray, Grid, SingleFaces, fixed, spread, widened
+from houle.grid import Faces, FloatArray, Grid, SingleFaces, beside, fixed, seen, widened
 from houle.interfaces import Interfaces, Shared, stand_along
 from houle.moments import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.solids import ClosedFaces, Outline, closed_faces
@@ -66,7 +66,8 @@ class Medium:
         coefficient       <K>
         contrast          largest over least K / n^2 of the open cells `NEAR` each way, that of C_r / n^2 if it is more;
                           1: no interface near; at oblique ones `OBLIQUE`: no force on faces takes water across
-        uniform           C_r / n where it and the porosity of particles are those of all cells around, else 0
+        inertia           C_r / n where all faces that a particle there sees have the same, else 0
+        uniform           the same where it sees one porosity of particles, too, else 0
         lag               1 - <K> / <C_r>; only where K is not C_r in some body
     open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
                           cell beside it is closed; in single precision
@@ -133,9 +134,29 @@ class Medium:
         if bodies:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
-        uniform = _uniform(grid, particle_porosity, [materials[number, 0] for number in material])
-        names = ("porosity", "particle_porosity", "open_cells", "energy", "coefficient", "contrast", "uniform", *lag)
-        fields = [porosity, particle_porosity, open_cells, energy, coefficient, contrast, uniform, *lag.values()]
+        one_inertia, uniform = _uniform(grid, particle_porosity, [materials[number, 0] for number in material])
+        names = (
+            "porosity",
+            "particle_porosity",
+            "open_cells",
+            "energy",
+            "coefficient",
+            "contrast",
+            "inertia",
+            "uniform",
+            *lag,
+        )
+        fields = [
+            porosity,
+            particle_porosity,
+            open_cells,
+            energy,
+            coefficient,
+            contrast,
+            one_inertia,
+            uniform,
+            *lag.values(),
+        ]
         kind, kinds = _listed(fields)
         return cls(
             grid=grid,
@@ -250,30 +271,24 @@ def _list_materials(
 def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool], reach: int) -> FloatArray:
     """Largest over least of a positive cell field, over the open cells up to `reach` away each way; 1 if none."""
     most, least = np.where(open_, energy, -np.inf), np.where(open_, energy, np.inf)
-    for axis, wraps in enumerate(periodic):
+    for axis in range(energy.ndim):
         for _ in range(reach):
-            high, low = (widened(f, axis, wraps) for f in (most, least))
-            most = np.moveaxis(np.maximum(np.maximum(high[:-2], high[1:-1]), high[2:]), 0, axis)
-            least = np.moveaxis(np.minimum(np.minimum(low[:-2], low[1:-1]), low[2:]), 0, axis)
+            most, least = beside(np.maximum, most, axis, periodic), beside(np.minimum, least, axis, periodic)
     return np.divide(most, least, out=np.ones_like(energy), where=most > least)
 
 
-def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> FloatArray:
-    """C_r / n of the faces where a particle in the cell sees one of it, and one porosity; 0 where several."""
+def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> tuple[FloatArray, FloatArray]:
+    """C_r / n of all faces that a particle in the cell sees, 0 where they differ; and the same, 0 also where it sees
+    several porosities.
+    """
     if not inertia:
-        return np.ones(grid.shape)
-    least, most = [], []
-    for axis, faces in enumerate(inertia):
-        low, high = (np.moveaxis(faces, axis, 0)[s] for s in (slice(None, -1), slice(1, None)))
-        least.append(np.moveaxis(np.minimum(low, high), 0, axis))
-        most.append(np.moveaxis(np.maximum(low, high), 0, axis))
-    J = least[0]
-    same = np.all([(low == J) & (high == J) for low, high in zip(least, most, strict=True)], axis=0)
-    for axis, wraps in enumerate(grid.periodic):
-        for field in (porosity, J):
-            wide = widened(field, axis, wraps)
-            same &= np.moveaxis((wide[:-2] == wide[1:-1]) & (wide[2:] == wide[1:-1]), 0, axis)
-    return np.where(spread(~same, grid.periodic), 0.0, J)
+        return np.ones(grid.shape), np.ones(grid.shape)
+    extremes = [seen(choose, f, a, grid.periodic) for a, f in enumerate(inertia) for choose in (np.minimum, np.maximum)]
+    J = np.where(np.all([field == extremes[0] for field in extremes], axis=0), extremes[0], 0.0)
+    least = most = porosity
+    for axis in range(grid.dimension):
+        most, least = beside(np.maximum, most, axis, grid.periodic), beside(np.minimum, least, axis, grid.periodic)
+    return J, np.where(least == most, J, 0.0)
 
 
 def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:

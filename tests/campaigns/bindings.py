@@ -129,7 +129,12 @@ class World:
             solver.setup(self.flags(), self.faces(0.0, 1.0), cells)
         inertia = self.each(d).astype(np.float32)
         none = [np.zeros(f.shape, np.int32) for f in faces]
-        crossing = {"number": m.material or none, "table": m.materials, "uniform": m.listed("uniform")}
+        crossing = {
+            "number": m.material or none,
+            "table": m.materials,
+            "one": m.listed("inertia"),
+            "uniform": m.listed("uniform"),
+        }
         halves = tuple(2 * k for k in self.grid.shape)
         named = lambda name, arguments, *written: (name, getattr(_core, name), arguments, written)  # noqa: E731
         return [

@@ -165,7 +165,7 @@ def test_beside_an_interface_particles_settle_as_far_as_inertia_differs_around_t
     n, d = cloud.x.shape
     u, affine, seen = cloud.u.copy(), np.ones((n, d, d)), cloud.to_particles(v)
     held = [np.zeros(f.shape, np.uint8) for f in v]
-    crossing = (medium.material, medium.materials, medium.listed("uniform"), held)
+    crossing = (medium.material, medium.materials, medium.listed("inertia"), medium.listed("uniform"), held)
     _core.settle(cloud.grid.core, *crossing, v, cloud.x, u, affine, cloud.media)
     inertia = medium.on_faces(0)
     unlike = cloud.inertia_differs(inertia)

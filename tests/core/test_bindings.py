@@ -87,6 +87,7 @@ def test_tables_that_point_elsewhere_are_refused(read_only):
             faces,
             np.array([[1.0, 0.0, 0.0]]),
             numbered(GRID.cells()),
+            numbered(GRID.cells()),
             (number, value),
         )
         _core.sample_medium(GRID.core, *medium, x, volume, bulk, np.zeros((1, 2), np.float32))

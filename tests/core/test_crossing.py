@@ -40,7 +40,8 @@ class Pores:
 
     @property
     def medium(self):
-        return self.number, self.table, numbered(np.zeros(self.grid.shape))
+        several = numbered(np.zeros(self.grid.shape))
+        return self.number, self.table, several, several
 
     def sample(self, x):
         bulk, inertia = np.zeros(len(x)), np.zeros(x.shape, np.float32)

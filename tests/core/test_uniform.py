@@ -34,7 +34,7 @@ def test_one_medium_is_sampled_as_several(grid, bodies, solids):
 
     def sample(uniform):
         bulk, inertia = np.zeros(len(x)), np.zeros(x.shape, np.float32)
-        fields = [(medium.kind, uniform), medium.listed("particle_porosity")]
+        fields = [(medium.kind, uniform), (medium.kind, uniform), medium.listed("particle_porosity")]
         table = (medium.material, medium.materials)
         _core.sample_medium(grid.core, *table, *fields, x, volume, bulk, inertia, medium.interfaces)
         return bulk, inertia
