@@ -223,7 +223,8 @@ def fall_behind(grid, u, inertia, held, lag, porosity, dt):
     number = [np.searchsorted(rows, f).astype(np.int32) for f in inertia]
     table = np.stack([rows, 0.0 * rows, 0.0 * rows], axis=1)
     change = grid.faces()
-    medium = (number, table, numbered(grid.cells(1.0)), held, numbered(lag), numbered(porosity))
+    several = numbered(grid.cells())
+    medium = (number, table, several, several, held, numbered(lag), numbered(porosity))
     _core.fall_behind(grid.core, *medium, u, dt, change)
     return change
 
