@@ -17,7 +17,7 @@ from houle.grid import Faces, FloatArray, Grid, spread, widened
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.remesh import EVERYWHERE
-from houle.seeding import seed_slabs
+from houle.seeding import column_pores, seed_slabs
 from houle.sides import OpenSide
 from houle.viscosity import REACH, Smoothing
 from houle.waves.makers import Maker
@@ -57,7 +57,7 @@ class Flow:
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.porous = bool(np.any(medium.porosity < 1.0))
-        self.column_porosity = medium.porosity.min(axis=-1)  # of columns that hold one porosity
+        self.column_porosity = column_pores(grid, medium)
 
         g = grid
         self.inverse_capacity = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids

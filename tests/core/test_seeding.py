@@ -12,7 +12,7 @@ from houle.geometry import Box, Polygon, Shape
 from houle.grid import Grid
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
-from houle.seeding import SLIVER, seed
+from houle.seeding import SLIVER, Settled, seed
 
 ROUND_OFF = 1e-12
 BEADS = 0.39
@@ -173,6 +173,61 @@ def test_the_fill_of_the_cells_at_the_surface_gives_the_level_back():
         assert np.ptp(fill[:, 45]) < 1e-11
 
 
+UPRIGHT = {  # what water lies in of a tank of 1.1 x 0.5 [x 0.4] m
+    "2D": ((1.1, 0.5), 0.43, [below(0.4534)], 0),
+    "2D, another level on each side": (
+        (1.1, 0.5),
+        0.43,
+        [Box((0.0, 0.0), (0.43, 0.4)), Box((0.43, 0.0), (1.1, 0.2))],
+        0,
+    ),
+    "2D, dry pores": ((1.1, 0.5), 0.43, [Box((0.0, 0.0), (0.43, 0.41))], 0),
+    "2D, on grid lines": ((1.1, 0.5), 0.42, [below(0.4534)], 0),
+    "2D, at a wall": ((1.1, 0.5), 0.0, [below(0.4534)], 0),
+    "3D, along x": ((1.1, 0.4, 0.5), 0.43, [below(0.4534, 3)], 0),
+    "3D, along y": ((0.4, 1.1, 0.5), 0.43, [below(0.4534, 3)], 1),
+}
+
+
+@pytest.mark.parametrize("name", UPRIGHT)
+def test_beside_upright_interfaces_water_lies_as_flow_leaves_it(name: str):
+    """As much as there is, with its centre, tents as full; and where it is full, with the porosity of the particles."""
+    size, edge, water, axis = UPRIGHT[name]
+    grid = Grid.fit(size, 0.02)
+    low, high = np.zeros(len(size)), np.array(size)
+    low[axis], high[axis] = edge, min(edge + 0.4, 1.1)
+    medium = Medium.build(grid, [PorousBody("rock", Box(tuple(low), tuple(high)), 0.45)])
+    particles, settled = seed(grid, medium, water), Settled.of(grid, medium)
+    assert settled is not None and settled.axis == axis
+    parts = []  # volume and centre of the water, and of what the grains take of it
+    for gain, least, most in ((1.0, np.zeros(len(size)), np.array(size)), (-0.55, low, high)):
+        for box in water:
+            lower, upper = np.maximum(least, box.lower), np.minimum(most, box.upper)
+            parts.append((gain * np.prod(np.maximum(upper - lower, 0.0)), 0.5 * (lower + upper)))
+    assert particles.volume.sum() == pytest.approx(sum(v for v, _ in parts), rel=ROUND_OFF)
+    moment = sum(v * x for v, x in parts)
+    across = np.arange(len(size)) != axis
+    assert first_moment(particles)[across] == pytest.approx(moment[across], rel=ROUND_OFF)
+    assert np.all((particles.position > 0.0) & (particles.position < size))
+    if len(water) > 1 or np.isfinite(water[0].upper[axis]):
+        return
+    assert first_moment(particles) == pytest.approx(moment, rel=ROUND_OFF)
+    fill = fill_fraction(grid, particles, medium)
+    assert np.abs(fill[..., :21] - 1.0).max() < 1e-11
+    deep = particles.position[:, -1] < 0.4
+    line = np.moveaxis(medium.particle_porosity, axis, 0).reshape(grid.shape[axis], -1)[:, 0]
+    n = np.interp(particles.position[deep, axis], grid.axis_points(axis), line)
+    assert particles.volume[deep] == pytest.approx(n * grid.cell_volume / 2 ** len(size), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "body", [Box((0.4, 0.0), (0.8, 0.3)), corners((0.4, 0.0), (0.8, 0.0), (0.7, 0.5))], ids=["top", "slope"]
+)
+def test_beside_other_interfaces_it_lies_as_drawn(body: Shape):
+    grid = Grid.fit((1.1, 0.5), 0.02)
+    assert Settled.of(grid, Medium.build(grid, [PorousBody("rock", body, 0.45)])) is None
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_slabs_make_no_difference(dimension: int, monkeypatch: pytest.MonkeyPatch):
     """Whole or eight columns of half cells at a time, slivers at their ends included: the same to the last bit."""
@@ -181,6 +236,20 @@ def test_slabs_make_no_difference(dimension: int, monkeypatch: pytest.MonkeyPatc
     solid = corners((0.4, 0.0), (1.0, 0.0), (0.7, 0.6), dimension=dimension)
     medium = Medium.build(grid, [PorousBody("beads", slope, BEADS)], [solid])
     water = [corners((0.0, 0.2), (2.3, 0.67), (2.3, 1.02), (0.0, 0.21), dimension=dimension)]
+    found = []
+    for size in (10**9, 1):
+        monkeypatch.setattr("houle.seeding.SLAB", size)
+        found.append(seed(grid, medium, water))
+    whole, slabs = found
+    assert np.array_equal(whole.position, slabs.position) and np.array_equal(whole.volume, slabs.volume)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_slabs_make_no_difference_to_settled_water(dimension: int, monkeypatch: pytest.MonkeyPatch):
+    grid = Grid((29, 11) if dimension == 2 else (29, 5, 11), (0.1,) * dimension, (False,) * dimension)
+    upright = Box((0.93, *[-np.inf] * (dimension - 1)), (1.87, *[np.inf] * (dimension - 1)))
+    medium = Medium.build(grid, [PorousBody("beads", upright, BEADS)])
+    water = [corners((0.0, 0.2), (2.9, 0.67), (2.9, 1.02), (0.0, 0.21), dimension=dimension)]
     found = []
     for size in (10**9, 1):
         monkeypatch.setattr("houle.seeding.SLAB", size)
