@@ -6,33 +6,21 @@
 
 namespace houle {
 
-// A plate across the tank at face `face` of the first axis, its lower edge at height `bottom` [m].
-struct Gate {
-  double x;
-  double bottom;
-};
-
 // What stops a particle: domain walls, gates, solids, walls between the faces.
 template <int D>
 struct Obstacles {
   Solids<D> solids;
-  const Gate* gates = nullptr;
-  int gate_count = 0;
+  Gates gates;
   Paddles paddles;
 };
 
 // Brings a particle that went from `from` to x back into the water's room.
 template <int D>
 inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const double* from, double* x) {
-  const double height = std::max(x[D - 1], 1e-9 * g.h[D - 1]);  // where the floor will stop it: not under a shut gate
-  for (int k = 0; k < obstacles.gate_count; ++k) {
-    const Gate& gate = obstacles.gates[k];
-    const bool left = from[0] < gate.x;
-    if (left != (x[0] < gate.x) && height > gate.bottom) x[0] = gate.x + (left ? -1e-9 : 1e-9) * g.h[0];
-  }
+  stop_at_gates(g, obstacles.gates, from, x);
   if (obstacles.solids.edge) {
     bring_into_tank(g, x);
-    leave_solids(g, obstacles.solids, x);
+    leave_solids(g, obstacles.solids, obstacles.gates, from, x);
   }
   for (int k = 0; k < obstacles.paddles.count; ++k) {
     const Paddle& paddle = obstacles.paddles.paddle[k];

@@ -61,9 +61,7 @@ static Crossing<D> crossing_of(const Grid<D>& g, const FaceNumbers& number, cons
 template <int D>
 static Obstacles<D> obstacles_of(const Grid<D>& g, const Outline& solids, const Given& gates,
                                  const OptionalGiven& paddles) {
-  static_assert(sizeof(Gate) == 2 * sizeof(double));
-  const auto all = rows<Gate>(gates, "gates");
-  return {solids_of(g, solids), all.data, static_cast<int>(all.n), paddles_of(paddles)};
+  return {solids_of(g, solids), gates_of(g, gates), paddles_of(paddles)};
 }
 
 // The closed faces of each axis, houle.solids.ClosedFaces.

@@ -58,36 +58,40 @@ static void bind(nb::module_& m) {
       m, "remesh_conservative",
       [](const Grid<D>& g, OptionalListed cell_porosity, Array<const std::int8_t> body, Outline outline, Given x,
          Given u, Given volume, OptionalGiven porosity, index first, index last, OptionalInterfaces interfaces,
-         bool along) {
+         bool along, OptionalGiven gates) {
         const auto media = interfaces_of(g, interfaces);
         const auto p = particles_of<D>(g, x, u, volume, porosity);
         const Listed pores = listed_of(g, cell_porosity, "cell_porosity");
         const std::int8_t* bodies = entries(body, g.cells() << D, "body");
         const Solids<D> solids = solids_of(g, outline);
+        const Gates shut = gates_of(g, gates);
         if (last < 0) last = 2 * g.shape[0];
         if (first < 0 || first >= last || last > 2 * g.shape[0]) refuse("no nodes between walls: first and last");
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, {pores, bodies, media, along}, solids, p, first, last);
+          out = remesh_conservative<D>(g, {pores, bodies, media, along}, solids, shut, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },
       "grid"_a, "cell_porosity"_a.none(), "body"_a, "solids"_a.none(), "position"_a, "velocity"_a, "volume"_a,
       "porosity"_a.none(), "first"_a = 0, "last"_a = -1, "interfaces"_a = nb::none(), "along"_a = true,
+      "gates"_a = nb::none(),
       "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
   define(
       m, "remesh_paper",
-      [](const Grid<D>& g, Given x, Given u, Given volume, OptionalGiven porosity, double threshold) {
+      [](const Grid<D>& g, Given x, Given u, Given volume, OptionalGiven porosity, double threshold,
+         OptionalGiven gates) {
+        const Gates shut = gates_of(g, gates);
         const auto p = particles_of<D>(g, x, u, volume, porosity);
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_paper<D>(g, p, threshold);
+          out = remesh_paper<D>(g, shut, p, threshold);
         }
         return as_tuple<D>(std::move(out));
       },
-      "grid"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a.none(), "threshold"_a,
+      "grid"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a.none(), "threshold"_a, "gates"_a = nb::none(),
       "(position, velocity, volume): a full particle on every lattice node whose fill exceeds the threshold.");
 }
 

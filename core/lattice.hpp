@@ -3,9 +3,16 @@
 
 #include <vector>
 
+#include "gates.hpp"
 #include "interfaces.hpp"
 
 namespace houle {
+
+struct Room {  // the nodes along the first axis from low to high - 1, between two walls
+  index low = std::numeric_limits<index>::min() / 4, high = std::numeric_limits<index>::max() / 4;
+
+  index image(index i) const { return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i); }
+};
 
 template <int D>
 struct Lattice {  // the nodes, and where a position lies among them
@@ -14,9 +21,11 @@ struct Lattice {  // the nodes, and where a position lies among them
   std::array<bool, D> periodic{};
   double volume = 1;  // of a node's half cell [m^D]
   index begin, end;   // along the first axis: nodes between its walls
+  Gates gates;        // between nodes
 
-  explicit Lattice(const Grid<D>& g) : Lattice(g, 0, 2 * g.shape[0]) {}
-  Lattice(const Grid<D>& g, index first, index last) : periodic(g.periodic), begin(first), end(last) {
+  Lattice(const Grid<D>& g, const Gates& shut) : Lattice(g, shut, 0, 2 * g.shape[0]) {}
+  Lattice(const Grid<D>& g, const Gates& shut, index first, index last)
+      : periodic(g.periodic), begin(first), end(last), gates(shut) {
     for (int a = 0; a < D; ++a) {
       shape[a] = 2 * g.shape[a];
       h[a] = 0.5 * g.h[a];
@@ -31,6 +40,33 @@ struct Lattice {  // the nodes, and where a position lies among them
     const index low = a == 0 ? begin : 0, high = a == 0 ? end : n;
     const index image = i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
     return std::clamp<index>(image, 0, n - 1);  // of what lies beyond a wall, and of one node between two
+  }
+  // Between the gates beside x, of those that reach down to row `top` of the nodes.
+  Room room(double x, index top) const {
+    Room room;
+    for (int k = 0; k < gates.count; ++k) {
+      const Gate& gate = gates.gate[k];
+      if (top < floor_index(gate.bottom / h[D - 1] + 0.5)) continue;
+      const index at = floor_index(gate.x / h[0] + 0.5);  // the first node behind it
+      const index low = x < gate.x ? at - shape[0] : at;  // around a periodic axis
+      if (x >= gate.x || periodic[0]) room.low = std::max(room.low, low);
+      if (x < gate.x || periodic[0]) room.high = std::min(room.high, x < gate.x ? at : at + shape[0]);
+    }
+    return room;
+  }
+  // Whether a gate stands between two points of which one lies above its lower edge. to: where the way leads, if need
+  // be beyond the end of a periodic axis.
+  bool parted(const double* from, const double* to) const {
+    const double height = std::max(from[D - 1], to[D - 1]);
+    const double length = periodic[0] ? h[0] * static_cast<double>(shape[0]) : 0.0;
+    for (int k = 0; k < gates.count; ++k) {
+      if (!(height > gates.gate[k].bottom)) continue;
+      for (int turn = -1; turn <= 1; ++turn) {
+        const double x = gates.gate[k].x + turn * length;
+        if ((from[0] < x) != (to[0] < x)) return true;
+      }
+    }
+    return false;
   }
   std::array<index, D> way(index from, index onto) const {  // in nodes, the short way around periodic axes
     auto way = Grid<D>::unflat(onto, shape);
@@ -80,13 +116,15 @@ struct LatticeStencil {  // the 4^D nodes around a particle: per axis their plac
                          // particle
   index at[D][4];
   double w[D][4], reach[D][4];
+  Room room;  // to nodes behind a gate their mirror images are preferred: all rows alike, that none gets round the edge
 
   LatticeStencil(const Lattice<D>& l, const double* x) {
+    if (l.gates.count) room = l.room(x[0], floor_index(l.scaled(D - 1, x[D - 1]) - 0.5) + 2);
     for (int a = 0; a < D; ++a) {
       const double s = l.scaled(a, x[a]) - 0.5, base = std::floor(s);
       M4PrimeKernel::weights(s, static_cast<index>(base) - 1, 0.0, w[a], nullptr);
       for (int k = 0; k < 4; ++k) {
-        const index i = static_cast<index>(base) + k - 1, inside = l.fold(a, i);
+        const index i = between_gates(a, static_cast<index>(base) + k - 1), inside = l.fold(a, i);
         at[a][k] = inside * l.stride[a];
         reach[a][k] = (static_cast<double>(l.periodic[a] ? i : inside) - s) * l.h[a];
       }
@@ -101,14 +139,15 @@ struct LatticeStencil {  // the 4^D nodes around a particle: per axis their plac
     const index first = static_cast<index>(std::ceil(place - 0.5 - 1e-6));  // node above it
     const index own = static_cast<index>(l.scaled(a, x[a]));                // of the half cell of x
     for (int k = 0; k < 4; ++k) {
-      const index i = static_cast<index>(std::floor(l.scaled(a, x[a]) - 0.5)) + k - 1;
+      const index i = between_gates(a, static_cast<index>(std::floor(l.scaled(a, x[a]) - 0.5)) + k - 1);
       if ((i < first) == (own < first)) continue;
-      const index image = 2 * first - 1 - i, inside = l.fold(a, image);
+      const index image = between_gates(a, 2 * first - 1 - i), inside = l.fold(a, image);
       at[a][k] = inside * l.stride[a];
       reach[a][k] = (static_cast<double>(l.periodic[a] ? image : inside) + 0.5) * l.h[a] - x[a];
     }
     return true;
   }
+  index between_gates(int a, index i) const { return a == 0 ? room.image(i) : i; }
   template <class Visit>
   void each(Visit visit) const {  // visit(node, weight, k): k[a] is the place 0..3 of the node on axis a
     int k[D];

@@ -132,13 +132,21 @@ constexpr double see = 0.5;      // weights a particle must see, else all goes t
 constexpr index far = 32;        // nodes from which a debt is paid, or a moment taken, at most
 }  // namespace remesh
 
-// Whether no solid half cell stands between two nodes.
+// Whether neither a solid half cell nor a gate stands between two nodes.
 template <int D>
 inline bool in_sight(const Lattice<D>& l, const Pores<D>& pores, index from, index onto) {
   const auto way = l.way(from, onto);
   index steps = 1;
   for (int a = 0; a < D; ++a) steps = std::max(steps, std::abs(way[a]));
   const auto start = Grid<D>::unflat(from, l.shape);
+  if (l.gates.count) {
+    double here[D], there[D];
+    for (int a = 0; a < D; ++a) {
+      here[a] = (static_cast<double>(start[a]) + 0.5) * l.h[a];
+      there[a] = here[a] + static_cast<double>(way[a]) * l.h[a];
+    }
+    if (l.parted(here, there)) return false;
+  }
   for (index s = 1; s < steps; ++s) {
     index node = 0;
     for (int a = 0; a < D; ++a) {

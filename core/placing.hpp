@@ -32,30 +32,30 @@ struct Space {
   }
 };
 
-// Position of the particle of a node: where its water came from on average, at most a spacing off, never in a solid.
+// Position of the particle of a node: where its water came from on average, at most a spacing off, never in a solid nor
+// beyond a gate.
 // On return its moment is what this takes from V x: zero but for the particle that is held back.
 template <int D>
 inline void place(const Space<D>& space, index node, Gathered<D>& g, double* x) {
   const Lattice<D>& l = space.l;
   const auto at = Grid<D>::unflat(node, l.shape);
-  double right[D], lies[D];
+  double centre[D], right[D], lies[D];
   for (int a = 0; a < D; ++a) {
-    const double centre = (static_cast<double>(at[a]) + 0.5) * l.h[a], offset = g.moment[a] / g.volume;
-    right[a] = centre + offset;
-    x[a] = lies[a] = centre + std::clamp(offset, -l.h[a], l.h[a]);
+    const double offset = g.moment[a] / g.volume;
+    centre[a] = (static_cast<double>(at[a]) + 0.5) * l.h[a];
+    right[a] = centre[a] + offset;
+    x[a] = lies[a] = centre[a] + std::clamp(offset, -l.h[a], l.h[a]);
     space.wrap(a, x[a]);
   }
-  if (!space.in_pores(x)) {  // back into the half cell of the node
+  if (!space.in_pores(x) || l.parted(centre, lies)) {  // back into the half cell of the node
     constexpr double half = 0.5 - 1e-9;
-    for (int a = 0; a < D; ++a) {
-      const double centre = (static_cast<double>(at[a]) + 0.5) * l.h[a];
-      x[a] = lies[a] = centre + std::clamp(lies[a] - centre, -half * l.h[a], half * l.h[a]);
-    }
+    for (int a = 0; a < D; ++a)
+      x[a] = lies[a] = centre[a] + std::clamp(lies[a] - centre[a], -half * l.h[a], half * l.h[a]);
   }
   double before[D];
   for (int a = 0; a < D; ++a) before[a] = x[a];
   if (in_solid(space.grid, space.solids, x)) {  // round a corner, or in a half cell that the outline cuts
-    leave_solids(space.grid, space.solids, x);
+    leave_solids(space.grid, space.solids, l.gates, centre, x);
     bring_into_tank(space.grid, x);
   }
   for (int a = 0; a < D; ++a) g.moment[a] = g.volume * (right[a] - lies[a] + (before[a] - x[a]));
@@ -96,9 +96,11 @@ class Neighbours {
   ParticleArrays<D>& p_;
 
   bool can_go(index i, double step, const double* way) const {
+    const double* from = p_.x.data() + i * D;
     double x[D];
-    for (int a = 0; a < D; ++a) x[a] = p_.x[i * D + a];
-    space_.move(x, step, way);
+    for (int a = 0; a < D; ++a) x[a] = from[a] + step * way[a];
+    if (space_.l.parted(from, x)) return false;
+    for (int a = 0; a < D; ++a) space_.wrap(a, x[a]);
     return space_.holds(x);
   }
   void find(index node, index radius, double step, const double* way) {

@@ -202,12 +202,12 @@ inline void leave_as_they_are(const Lattice<D>& l, const std::vector<index>& nod
 
 // The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
 // Conserves sum V, sum V u_d and sum V x to round-off: water of which no particles can be made so, a drop around the
-// corner of a solid, is left as it is. first, last: nodes along the first axis between which the water is; walls stand
-// at both ends.
+// corner of a solid, is left as it is. No water, and no moment, is handed across a gate. first, last: nodes along the
+// first axis between which the water is; walls stand at both ends.
 template <int D>
 inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>& pores, const Solids<D>& solids,
-                                             const ParticleView<D>& p, index first, index last) {
-  const Lattice<D> l(grid, first, last);
+                                             const Gates& gates, const ParticleView<D>& p, index first, index last) {
+  const Lattice<D> l(grid, gates, first, last);
   const Space<D> space{grid, l, pores, solids};
   const index all = *std::max_element(l.shape.begin(), l.shape.end());
   std::vector<unsigned char> stayed(p.n, 0);
@@ -221,11 +221,13 @@ inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>
 }
 
 // The paper's remeshing, eqs (6)-(7) with V_j inside the sum and tensor weights: a full particle, V = n h^D, on every
-// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. Blind to solids. Water is not
-// conserved: every remeshing moves the surface to the outermost node that any particle reaches, which raises it.
+// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. Blind to solids, not to
+// gates. Water is not conserved: every remeshing moves the surface to the outermost node that any particle reaches,
+// which raises it.
 template <int D>
-inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const ParticleView<D>& p, double threshold) {
-  const Lattice<D> l(grid);
+inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, const ParticleView<D>& p,
+                                      double threshold) {
+  const Lattice<D> l(grid, gates);
   const Slabs<D> slabs(l, p.n, p.x);
   const Receivers<D> receivers(l, node_fill(l, slabs, p), nullptr, threshold);
   std::vector<Gathered<D>> gathered(receivers.count());

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "gates.hpp"
 #include "transfer.hpp"
 
 namespace houle {
@@ -129,6 +130,19 @@ inline void leave_solids(const Grid<D>& g, const Solids<D>& solids, double* x) {
   }
   x[0] = out.to[0];
   x[up] = out.to[1];
+}
+
+// The same for a particle that came from `from`, on its side of the gates: in the corner between a gate and a solid to
+// and fro; where that leads nowhere, it stays where it was.
+template <int D>
+inline void leave_solids(const Grid<D>& g, const Solids<D>& solids, const Gates& gates, const double* from, double* x) {
+  leave_solids(g, solids, x);
+  for (int turn = 0; stop_at_gates(g, gates, from, x); ++turn) {
+    if (turn == 4)
+      std::copy(from, from + D, x);
+    else
+      leave_solids(g, solids, x);
+  }
 }
 
 // Takes all particles that lie in a solid to the nearest place outside.

@@ -242,16 +242,36 @@ def bring_into_tank(grid, x):
 def keep_inside(grid, solid, gates, start, x):
     """Where a particle that went from `start` to x is stopped: gates (x, lower edge), a box, walls; periodic sides."""
     x = np.array(x)
+    stop_at_gates(grid, gates, start, x)
+    if solid is not None:
+        x = bring_into_tank(grid, x)
+        leave_box(grid, solid, x)
+        for turn in range(6):
+            if not stop_at_gates(grid, gates, start, x):
+                break
+            if turn < 4:
+                leave_box(grid, solid, x)
+            else:
+                x[:] = start
+    return bring_into_tank(grid, x)
+
+
+def stop_at_gates(grid, gates, start, x):
+    """Puts x in front of a gate that lies on the way from `start`; returns whether one did."""
+    stopped, height = False, max(x[-1], 1e-9 * grid.spacing[-1])
     for gate, bottom in gates:
-        if (start[0] < gate) != (x[0] < gate) and x[-1] > bottom:
+        if (start[0] < gate) != (x[0] < gate) and height > bottom:
             x[0] = gate + (-1e-9 if start[0] < gate else 1e-9) * grid.spacing[0]
-    x = bring_into_tank(grid, x)
-    if solid is not None and solid.distance(x) < 0.0:
+            stopped = True
+    return stopped
+
+
+def leave_box(grid, solid, x):
+    if solid.distance(x) < 0.0:
         depth = np.stack([x - solid.lower, solid.upper - x])
         side, axis = np.unravel_index(np.argmin(depth), depth.shape)
         margin = 1e-9 * grid.spacing[1 if len(x) == 3 and axis == 1 else 0]
         x[axis] = solid.upper[axis] + margin if side else solid.lower[axis] - margin
-    return bring_into_tank(grid, x)
 
 
 def face_velocity(grid, u, x):

@@ -17,16 +17,28 @@ def m4_prime(s):
     return np.where(s < 1, inner, np.where(s < 2, outer, 0.0))
 
 
-def stencil(grid, x):
+def between_gates(gates, x, half, top, i):
+    """Node i along x, or its mirror image where a gate that reaches down to row `top` stands between it and x [m]."""
+    for at, bottom in gates:
+        node = round(at / half[0])
+        if top >= round(bottom / half[-1]) and (x < at) != (i < node):
+            return 2 * node - 1 - i
+    return i
+
+
+def stencil(grid, x, gates=()):
     """The 4^d nodes around a position: [(node, weight, reach)], node an index tuple, reach (d,) from x to it [m]."""
-    axes = []
+    axes, half = [], np.array(grid.spacing) / 2
+    top = int(np.floor(x[-1] / half[-1] - 0.5)) + 2
     for a, (n, h) in enumerate(zip(grid.shape, grid.spacing, strict=True)):
         n, h = 2 * n, h / 2
         s = x[a] / h - 0.5
         line = []
         for i in range(int(np.floor(s)) - 1, int(np.floor(s)) + 3):
+            weight = m4_prime(i - s)
+            i = between_gates(gates, x[0], half, top, i) if a == 0 else i
             inside = i % n if grid.periodic[a] else (-1 - i if i < 0 else 2 * n - 1 - i if i >= n else i)
-            line.append((inside, m4_prime(i - s), ((i if grid.periodic[a] else inside) - s) * h))
+            line.append((inside, weight, ((i if grid.periodic[a] else inside) - s) * h))
         axes.append(line)
     for parts in itertools.product(*axes):
         node, weights, reach = zip(*parts, strict=True)
@@ -44,9 +56,11 @@ def half_cells(grid, cells, body):
     return np.where(body < 0, 0.0, n)
 
 
-def conservative(grid, pores, position, velocity, volume, porosity):
-    """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules. No outline: half cells only."""
-    lattice = Lattice(grid, pores)
+def conservative(grid, pores, position, velocity, volume, porosity, gates=()):
+    """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules. No outline: half cells only.
+    gates (x, lower edge) [m]: no x axis that is periodic.
+    """
+    lattice = Lattice(grid, pores, gates)
     stays, radius = np.zeros(len(volume), bool), 4
     while True:
         got, stayed = lattice.share_out(position, velocity, volume, porosity, stays)
@@ -81,8 +95,8 @@ class Gathered:
 class Lattice:
     """The nodes of a grid, one per half cell, and the rules by which they get water and give it on."""
 
-    def __init__(self, grid, pores):
-        self.grid, self.pores, self.d = grid, pores, grid.dimension
+    def __init__(self, grid, pores, gates=()):
+        self.grid, self.pores, self.gates, self.d = grid, pores, gates, grid.dimension
         self.half, self.shape = np.array(grid.spacing) / 2, tuple(2 * n for n in grid.shape)
 
     def half_cell(self, x):
@@ -105,8 +119,14 @@ class Lattice:
         far = np.array(self.grid.periodic) & (2 * np.abs(way) > self.shape)
         return way - far * np.sign(way) * self.shape
 
+    def parted(self, x, y):
+        """Whether a gate stands between two points, of which one is above its edge."""
+        return any((x[0] < at) != (y[0] < at) and max(x[-1], y[-1]) > bottom for at, bottom in self.gates)
+
     def in_sight(self, node, other):
         way = self.way(other, node)
+        if self.parted(self.centre(node), self.centre(node) + way * self.half):
+            return False
         steps = max(1, np.abs(way).max())
         for s in range(1, steps):
             share = s * way / steps
@@ -116,7 +136,7 @@ class Lattice:
         return True
 
     def share_out(self, position, velocity, volume, porosity, stays):
-        stencils = [list(stencil(self.grid, x)) for x in position]
+        stencils = [list(stencil(self.grid, x, self.gates)) for x in position]
         fill = np.zeros(self.shape)
         for p in np.flatnonzero(~stays):
             for node, w, _ in stencils[p]:
@@ -192,12 +212,15 @@ class Lattice:
             right = g.moment / g.volume
             offset = np.clip(right, -self.half, self.half)
             x[node] = self.wrapped(self.centre(node) + offset)
-            if not self.in_pores(x[node]):
+            if not self.in_pores(x[node]) or self.parted(self.centre(node), x[node]):
                 offset = np.clip(offset, (-0.5 + 1e-9) * self.half, (0.5 - 1e-9) * self.half)
                 x[node] = self.centre(node) + offset
             if np.any(right != offset):
                 held[node] = g.volume * (right - offset)
         return x, {node: held[node] for node in sorted(held)}
+
+    def may_go(self, x, way):
+        return self.in_pores(self.wrapped(x + way)) and not self.parted(x, x + way)
 
     def settle(self, node, moment, x, got):
         """Moves those around by the same step, so that the moment is what it was; False where they cannot."""
@@ -208,7 +231,7 @@ class Lattice:
                 around = [i for i in self.near(node, radius) if i in x and self.in_sight(node, i)]
                 movers, step = around, most * least
                 while True:
-                    movers = [i for i in movers if self.in_pores(self.wrapped(x[i] + step * way))]
+                    movers = [i for i in movers if self.may_go(x[i], step * way)]
                     volume = sum(got[i].volume for i in movers)
                     if size > most * least * volume:
                         break

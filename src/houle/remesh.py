@@ -5,9 +5,10 @@ to the nodes of a lattice with the M4' weights of the paper, eqs (6)-(7) (Monagh
 Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys. 182, 67). The two schemes differ where a particle does not
 see all the nodes around it, that is at the free surface and at porous interfaces.
 
-A remesher is called as `remesher(particles, porosity, between)`, with the porosity (N,) at the particles or None for 1,
-and returns new Particles; their number changes, and whatever else is kept per particle has to be made anew. between:
-first node and end of the nodes along x, where walls stand that are not the sides of the tank.
+A remesher is called as `remesher(particles, porosity, between, gates)`, with the porosity (N,) at the particles or None
+for 1, and returns new Particles; their number changes, and whatever else is kept per particle has to be made anew.
+between: first node and end of the nodes along x, where walls stand that are not the sides of the tank. gates (K, 2): x
+of the face of each and height of its lower edge, on a grid line [m]; None: there are none.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from houle.porous import Medium
 from houle.solids import Outline
 
 Nodes = tuple[int, int]
-Remesher = Callable[[Particles, FloatArray | None, Nodes], Particles]
+Remesher = Callable[[Particles, FloatArray | None, Nodes, FloatArray | None], Particles]
 EVERYWHERE: Nodes = (0, -1)
 
 
@@ -44,7 +45,9 @@ class Conservative:
 
     Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so the potential energy; what would
     have left the tank or entered a solid is made good by those around it. Around a periodic axis x is known up to its
-    length. The true momentum sum V u_d / n is conserved as far as n is the same for all.
+    length. The true momentum sum V u_d / n is conserved as far as n is the same for all. Gates are walls: what was on
+    one side of one that is shut stays there, each side by itself conserves all this. A particle whose water would reach
+    above the lower edge of a raised one gives to its own side.
 
     Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
     moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves
@@ -71,12 +74,18 @@ class Conservative:
         porosity = medium.listed("particle_porosity") if medium.bodies else None
         return cls(grid, porosity, medium.body, medium.outline, medium.interfaces)
 
-    def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
+    def __call__(
+        self,
+        particles: Particles,
+        porosity: FloatArray | None,
+        between: Nodes = EVERYWHERE,
+        gates: FloatArray | None = None,
+    ) -> Particles:
         p = particles
         arrays = (p.position, p.velocity, p.volume, porosity)
         pores = (self.porosity, self.body, self.outline)
         new = _made_anew(
-            _core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces, self.along
+            _core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces, self.along, gates
         )
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
@@ -101,10 +110,16 @@ class Paper:
     threshold: float = 0.01
     outline: Outline | None = None
 
-    def __call__(self, particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
+    def __call__(
+        self,
+        particles: Particles,
+        porosity: FloatArray | None,
+        between: Nodes = EVERYWHERE,
+        gates: FloatArray | None = None,
+    ) -> Particles:
         p, core = particles, self.grid.core
         arrays = (p.position, p.velocity, p.volume, porosity)
-        new = _made_anew(_core.remesh_paper, core, *arrays, self.threshold)
+        new = _made_anew(_core.remesh_paper, core, *arrays, self.threshold, gates)
         _core.leave_solids(core, self.outline, new.position)
         return new
 
@@ -119,7 +134,9 @@ def _made_anew(scheme: Callable[..., tuple[FloatArray, FloatArray, FloatArray]],
         ) from error
 
 
-def keep(particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE) -> Particles:
+def keep(
+    particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE, gates: FloatArray | None = None
+) -> Particles:
     """No remeshing: the particles as they are."""
     return particles
 

@@ -45,11 +45,11 @@ class Remeshing:
         flow.drop_work()
         for paddle in flow.paddles:
             paddle.to_lattice(old)
-        flow.particles = self.remesher(old, porosity, flow.nodes)
+        where = (porosity, flow.nodes, flow.gates)
+        flow.particles = self.remesher(old, *where)
         hand_on = self.remesher.with_water if isinstance(self.remesher, Conservative) else self.remesher
         handed = [  # marks go with the water
-            None if mark is None else hand_on(Particles(old.position, mark, old.volume), porosity, flow.nodes)
-            for mark in marks
+            None if mark is None else hand_on(Particles(old.position, mark, old.volume), *where) for mark in marks
         ]
         for paddle in flow.paddles:
             paddle.from_lattice(flow.particles)
