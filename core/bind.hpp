@@ -290,6 +290,22 @@ inline Paddles paddles_of(const OptionalGiven& table) {
   return {all.data, static_cast<int>(all.n)};
 }
 
+// x and lower edge of each, in the tank.
+template <int D>
+inline Gates gates_of(const Grid<D>& g, const Given& table) {
+  static_assert(sizeof(Gate) == 2 * sizeof(double));
+  const auto all = rows<Gate>(table, "gates");
+  for (index k = 0; k < all.n; ++k)
+    if (!(all.data[k].x >= 0.0 && all.data[k].x <= g.h[0] * static_cast<double>(g.shape[0]) && all.data[k].bottom >= 0))
+      refuse("gates: one stands outside the tank, or its lower edge is below the floor");
+  return {all.data, static_cast<int>(all.n)};
+}
+
+template <int D>
+inline Gates gates_of(const Grid<D>& g, const OptionalGiven& table) {
+  return table ? gates_of(g, *table) : Gates{};
+}
+
 template <class A, class B>
 inline void apart(const A* a, index n, const char* name, const B* b, index m, const char* other) {
   const auto from = reinterpret_cast<std::uintptr_t>(a), begin = reinterpret_cast<std::uintptr_t>(b);
@@ -370,8 +386,11 @@ inline Interfaces<D> interfaces_of(const Grid<D>& g, const OptionalInterfaces& i
     require_table(v, name, Table::some, all.n);
     return v.data;
   };
-  return {table(number, "interfaces: number"), table(close, "interfaces: close"), all.data,
-          faces(g, medium, "interfaces: medium")};
+  Interfaces<D> found{table(number, "interfaces: number"),   table(close, "interfaces: close"), all.data, {}, g.h[0],
+                      faces(g, medium, "interfaces: medium")};
+  for (int a = 0; a < D; ++a)
+    found.slices[a] = static_cast<double>(g.face_shape(a)[0]) / static_cast<double>(g.faces(a));
+  return found;
 }
 
 // Where the particles of each cell begin, as cell_sort leaves it, for loops over slabs of columns: they read it at the

@@ -86,16 +86,17 @@ static void bind_surface(nb::module_& m) {
   using G = const Grid<D>&;
   define(
       m, "column_heights",
-      [](G g, Numbers start, Given x, Given volume, Field height, OptionalGiven paddles) {
+      [](G g, Numbers start, Given x, Given volume, Field height, OptionalGiven paddles, OptionalGiven gates) {
         const auto at = points<D>(x, "position");
         const double* v = entries(volume, at.n, "volume");
         const std::int32_t* s = slabs_of(g, start, at.n);
         double* h = columns(g, height, "height");
         const Paddles walls = paddles_of(paddles);
+        const Gates shut = gates_of(g, gates);
         nb::gil_scoped_release release;
-        column_heights<D>(g, s, at.data, v, walls, h);
+        column_heights<D>(g, s, at.data, v, walls, shut, h);
       },
-      "grid"_a, "start"_a, "position"_a, "volume"_a, "height"_a, "paddles"_a = nb::none(),
+      "grid"_a, "start"_a, "position"_a, "volume"_a, "height"_a, "paddles"_a = nb::none(), "gates"_a = nb::none(),
       "Height of the water in each column of cells [m].");
   define(
       m, "column_levels",
@@ -118,15 +119,17 @@ static void bind_surface(nb::module_& m) {
       "Level to which their water fills the pores of the columns [m].");
   define(
       m, "find_surface",
-      [](G g, Given fill, ListedField open, Given level, Field depth, Mask active, Field column, Field eta) {
+      [](G g, Given fill, ListedField open, Given level, Field depth, Mask active, Field column, Field eta,
+         OptionalGiven gates) {
         const double *F = cells(g, fill, "fill"), *l = columns(g, level, "level");
         const Listed o = listed_of(g, open, "open");
         double *d = cells(g, depth, "depth"), *c = columns(g, column, "column"), *e = columns(g, eta, "eta");
         std::uint8_t* wet = cells(g, active, "active");
+        const Gates shut = gates_of(g, gates);
         nb::gil_scoped_release release;
-        find_surface<D>(g, F, o, l, d, wet, c, e);
+        find_surface<D>(g, F, o, l, shut, d, wet, c, e);
       },
-      "grid"_a, "fill"_a, "open"_a, "level"_a, "depth"_a, "active"_a, "column"_a, "eta"_a,
+      "grid"_a, "fill"_a, "open"_a, "level"_a, "depth"_a, "active"_a, "column"_a, "eta"_a, "gates"_a = nb::none(),
       "Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m].");
   define(
       m, "water_above",

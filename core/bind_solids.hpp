@@ -1,4 +1,4 @@
-// The outline of the solids, and the gates, as Python passes them.
+// The outline of the solids as Python passes it.
 #pragma once
 
 #include <optional>
@@ -27,22 +27,6 @@ inline Solids<D> solids_of(const Grid<D>& g, const Outline& outline) {
   require_table(starts, "solids: start", Table::starts, all.size);
   require_table(all, "solids: number", Table::numbers, edges.n);
   return {starts.data, all.data, edges.data, tops.data, static_cast<int>(tops.size)};
-}
-
-// x and lower edge of each, in the tank.
-template <int D>
-inline Gates gates_of(const Grid<D>& g, const Given& table) {
-  static_assert(sizeof(Gate) == 2 * sizeof(double));
-  const auto all = rows<Gate>(table, "gates");
-  for (index k = 0; k < all.n; ++k)
-    if (!(all.data[k].x >= 0.0 && all.data[k].x <= g.h[0] * static_cast<double>(g.shape[0]) && all.data[k].bottom >= 0))
-      refuse("gates: one stands outside the tank, or its lower edge is below the floor");
-  return {all.data, static_cast<int>(all.n)};
-}
-
-template <int D>
-inline Gates gates_of(const Grid<D>& g, const OptionalGiven& table) {
-  return table ? gates_of(g, *table) : Gates{};
 }
 
 }  // namespace houle

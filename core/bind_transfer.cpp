@@ -92,18 +92,20 @@ static void bind_cells(nb::module_& m) {
       "Particles in the order of their cells, which cell_sort finds; spare (N, d) is work space.");
   define(
       m, "scatter_cells",
-      [](G g, Numbers start, Given x, Given amount, Field out, OptionalGiven paddles, OptionalGiven factor) {
+      [](G g, Numbers start, Given x, Given amount, Field out, OptionalGiven paddles, OptionalGiven factor,
+         OptionalGiven gates) {
         const auto at = points<D>(x, "position");
         const double* v = entries(amount, at.n, "amount");
         const std::int32_t* s = slabs_of(g, start, at.n);
         double* sums = cells(g, out, "out");
         const double* times = cells(g, factor, "factor");
         const Paddles walls = paddles_of(paddles);
+        const Gates shut = gates_of(g, gates);
         nb::gil_scoped_release release;
-        scatter_cells<D>(g, s, at.data, v, walls, times, sums);
+        scatter_cells<D>(g, s, at.data, v, walls, shut, times, sums);
       },
       "grid"_a, "start"_a, "position"_a, "amount"_a, "out"_a, "paddles"_a = nb::none(), "factor"_a = nb::none(),
-      "Tent-weighted sums of a particle amount at cell centres, times a factor of the cells.");
+      "gates"_a = nb::none(), "Tent-weighted sums of a particle amount at cell centres, times a factor of the cells.");
   define(
       m, "gather_cells",
       [](G g, Given x, Given field, Field out) {

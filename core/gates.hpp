@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "grid.hpp"
 
@@ -16,6 +17,28 @@ struct Gates {
   const Gate* gate = nullptr;
   int count = 0;
 };
+
+struct Room {  // the cells or nodes along the first axis from low to high - 1, between two walls
+  index low = std::numeric_limits<index>::min() / 4, high = std::numeric_limits<index>::max() / 4;
+
+  index image(index i) const { return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i); }
+};
+
+// Between the gates beside x, of those that reach down to row `top` of cells of size h, `count` along the first axis.
+template <int D>
+inline Room room_beside(const Gates& gates, const std::array<double, D>& h, index count, bool periodic, double x,
+                        index top) {
+  Room room;
+  for (int k = 0; k < gates.count; ++k) {
+    const Gate& gate = gates.gate[k];
+    if (top < floor_index(gate.bottom / h[D - 1] + 0.5)) continue;
+    const index at = floor_index(gate.x / h[0] + 0.5);  // the first behind it
+    const bool front = x < gate.x;
+    if (!front || periodic) room.low = std::max(room.low, front ? at - count : at);
+    if (front || periodic) room.high = std::min(room.high, front ? at : at + count);
+  }
+  return room;
+}
 
 // Stops a particle that went from `from` to x at gates that it would cross above their lower edges. Returns whether it
 // would.

@@ -11,7 +11,10 @@
 
 namespace houle {
 
-// The interface nearest to the centre of a cell, as a plane, and the media on both of its sides.
+// The interface nearest to the centre of a cell, as a plane, and the media on both of its sides. Or a gate beside the
+// cell: then its sides stand in the place of the media, and faces belong to the side on which they lie.
+constexpr double before_gate = -3.0, behind_gate = -2.0;  // GATE of interfaces.py
+
 template <int D>
 struct Interface {
   double normal[D];
@@ -38,6 +41,8 @@ struct Interfaces {
   const std::int32_t* number = nullptr;  // cells: of the interface in the list, -1 far from any; null: there are none
   const std::int32_t* close = nullptr;   // the same; -1 also where the linear kernel meets faces of one medium only
   const Interface<D>* list = nullptr;
+  std::array<double, D> slices{};     // 1 over the number of faces of each axis in a slice across the first
+  double spacing = 0;                 // of the cells along the first axis [m]
   ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
 
   // What a particle at x has to know of, which sees faces by the kernel K.
@@ -48,17 +53,21 @@ struct Interfaces {
     return k < 0 ? nullptr : list + k;
   }
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
-  // Whether a face of axis a lies on the side of that medium.
-  bool is_own(int a, index f, double side) const { return medium[a][f] == side || medium[a][f] < 0; }
+  // Whether a face of axis a lies on that side of the interface.
+  bool is_own(const Interface<D>& at, int a, index f, double side) const {
+    if (side > behind_gate) return medium[a][f] == side || medium[a][f] < 0;
+    return (std::floor((static_cast<double>(f) + 0.5) * slices[a]) + 0.5) * spacing >= at.offset ? side == behind_gate
+                                                                                                 : side == before_gate;
+  }
   // weight (count): on entry those of the linear kernel for these faces of axis a, on return those with which a
   // particle at x beside that interface sees them.
   void own(int a, const Interface<D>& at, const double* x, int count, const index* face, double* weight) const {
     if (at.across(a)) return;
     const double side = at.side(x);
     double sum = 0.0;
-    for (int k = 0; k < count; ++k) sum += is_own(a, face[k], side) ? weight[k] : 0.0;
+    for (int k = 0; k < count; ++k) sum += is_own(at, a, face[k], side) ? weight[k] : 0.0;
     if (!(sum > LinearKernel::least_own)) return;
-    for (int k = 0; k < count; ++k) weight[k] = is_own(a, face[k], side) ? weight[k] / sum : 0.0;
+    for (int k = 0; k < count; ++k) weight[k] = is_own(at, a, face[k], side) ? weight[k] / sum : 0.0;
   }
 };
 
@@ -69,7 +78,7 @@ class Beside {
   // at: the interface nearest to the particle at x; side: edge of the particle [m]
   Beside(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media,
          const Interface<D>& at, const double* x, double side)
-      : stride_(stride), media_(media), side_(at.side(x)) {
+      : stride_(stride), media_(media), at_(at), side_(at.side(x)) {
     stencil_.set(g, x, side);
     each_of<D>([&](auto a) {
       double all = 0.0, own = 0.0;
@@ -109,11 +118,12 @@ class Beside {
   Stencil<K, D> stencil_;
   const std::array<std::array<index, D>, D>& stride_;
   const Interfaces<D>& media_;
+  const Interface<D>& at_;
   double side_;
   bool cut_ = false;
   double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
 
-  bool is_own(int a, index f) const { return media_.is_own(a, f, side_); }
+  bool is_own(int a, index f) const { return media_.is_own(at_, a, f, side_); }
 };
 
 template <class K, int D, class Body>

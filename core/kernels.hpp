@@ -12,7 +12,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "grid.hpp"
+#include "gates.hpp"
 
 namespace houle {
 
@@ -174,7 +174,18 @@ struct Reach {
       if constexpr (K::width > 2) sign[k] = f.sign;  // the linear kernel never reaches behind the wall face
     }
   }
+  // The same between gates, at cell centres: what stands behind a gate is replaced by its mirror image in front of it.
+  void keep(const Room& room, double s, index cells, bool periodic) {
+    for (int k = 0; k < K::width; ++k) node[k] = fold(room.image(K::first(s) + k), cells, false, periodic).node;
+  }
 };
+
+// The cells that a particle at x has to itself, between the gates that stand where its tent reaches.
+template <int D>
+inline Room room_of_cells(const Grid<D>& g, const Gates& gates, const double* x) {
+  const index top = floor_index(x[D - 1] / g.h[D - 1] - 0.5) + 1;
+  return room_beside<D>(gates, g.h, g.shape[0], g.periodic[0], x[0], top);
+}
 
 // The nodes around a particle: those of the field on the faces of axis `component`, or (component -1) at cell centres.
 template <class K, int D>

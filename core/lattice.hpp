@@ -8,12 +8,6 @@
 
 namespace houle {
 
-struct Room {  // the nodes along the first axis from low to high - 1, between two walls
-  index low = std::numeric_limits<index>::min() / 4, high = std::numeric_limits<index>::max() / 4;
-
-  index image(index i) const { return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i); }
-};
-
 template <int D>
 struct Lattice {  // the nodes, and where a position lies among them
   std::array<index, D> shape{}, stride{};
@@ -41,19 +35,7 @@ struct Lattice {  // the nodes, and where a position lies among them
     const index image = i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
     return std::clamp<index>(image, 0, n - 1);  // of what lies beyond a wall, and of one node between two
   }
-  // Between the gates beside x, of those that reach down to row `top` of the nodes.
-  Room room(double x, index top) const {
-    Room room;
-    for (int k = 0; k < gates.count; ++k) {
-      const Gate& gate = gates.gate[k];
-      if (top < floor_index(gate.bottom / h[D - 1] + 0.5)) continue;
-      const index at = floor_index(gate.x / h[0] + 0.5);  // the first node behind it
-      const index low = x < gate.x ? at - shape[0] : at;  // around a periodic axis
-      if (x >= gate.x || periodic[0]) room.low = std::max(room.low, low);
-      if (x < gate.x || periodic[0]) room.high = std::min(room.high, x < gate.x ? at : at + shape[0]);
-    }
-    return room;
-  }
+  Room room(double x, index top) const { return room_beside<D>(gates, h, shape[0], periodic[0], x, top); }
   // Whether a gate stands between two points of which one lies above its lower edge. to: where the way leads, if need
   // be beyond the end of a periodic axis.
   bool parted(const double* from, const double* to) const {

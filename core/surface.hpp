@@ -19,48 +19,59 @@ inline double depth_from_fill(double F) {
 
 // Height of water standing in each column of cells, sum_p V_p B(x_p - x_c) / (plan area of a cell) [m], with the
 // quadratic B-spline B in the horizontal: its derivative, with which the flux between columns is taken, is the tent
-// that the position correction keeps full, so that the count of particles in a column adds no noise. Paddles fold,
-// those between the faces mirror.
+// that the position correction keeps full, so that the count of particles in a column adds no noise. Walls and gates
+// fold, paddles between the faces mirror.
 template <int D>
 inline void column_heights(const Grid<D>& g, const std::int32_t* start, const double* x, const double* volume,
-                           const Paddles& paddles, double* height) {
+                           const Paddles& paddles, const Gates& gates, double* height) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];
   const index across = D == 3 ? g.shape[1] : 1;
   parallel_for(columns, [=](index c) { height[c] = 0.0; });
-  each_slab(g, start, [=](index begin, index end) {
-    for (index p = begin; p < end; ++p) {
-      const double v = volume[p] / area;
-      const auto add = [=](const double* at) {
-        Reach<QuadraticKernel> reach[D - 1];
-        each_of<D - 1>([&](auto a) { reach[a].set(at[a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });
-        each_of<3>([&](auto i) {
-          const index row = reach[0].node[i] * across;
-          const double w = reach[0].weight[i] * v;
-          if constexpr (D == 2)
-            height[row] += w;
-          else
-            each_of<3>([&](auto j) { height[row + reach[1].node[j]] += w * reach[1].weight[j]; });
-        });
-      };
-      add(x + D * p);
-      each_image(g, paddles, x + D * p, add);
-    }
+  between_gates(g, gates, [=](auto keep) {
+    each_slab(g, start, [=](index begin, index end) {
+      for (index p = begin; p < end; ++p) {
+        const double v = volume[p] / area;
+        const auto add = [=](const double* at) {
+          Reach<QuadraticKernel> reach[D - 1];
+          each_of<D - 1>([&](auto a) { reach[a].set(at[a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });
+          keep(reach[0], at);
+          each_of<3>([&](auto i) {
+            const index row = reach[0].node[i] * across;
+            const double w = reach[0].weight[i] * v;
+            if constexpr (D == 2)
+              height[row] += w;
+            else
+              each_of<3>([&](auto j) { height[row + reach[1].node[j]] += w * reach[1].weight[j]; });
+          });
+        };
+        add(x + D * p);
+        each_image(g, paddles, x + D * p, add);
+      }
+    });
   });
+}
+
+// Whether a gate stands on a face of the first axis, above at least one of two levels [m], or at any that is NaN.
+inline bool gate_between(const Gates& gates, double x, double spacing, double level, double other) {
+  for (int k = 0; k < gates.count; ++k) {
+    const Gate& gate = gates.gate[k];
+    if (std::abs(gate.x - x) < 0.5 * spacing && !(level <= gate.bottom && other <= gate.bottom)) return true;
+  }
+  return false;
 }
 
 // From the fill fraction of every cell: depth (cells), active (cells) and the free surface of every column.
 //
-// Where a column is single-valued (full below, empty above) and no steeper than 45 degrees, its surface lies where the
-// water of the whole column fills it: exact for the volume, and it answers a rise of any size, however small beside the
-// cell, which the fill of single cells does not (docs/decisions/0001). Elsewhere the depth comes from each cell's fill.
-// level (columns) [m]: to which its water fills each column: of column_heights where porosity and openness are the same
-// all around, else of column_levels.
-// open (cells): 0 marks cells closed by solids. column, eta (grid.shape[:-1]): work space; level of the surface above
-// z = 0 [m], NaN where dry.
+// Where a column is single-valued (full below, empty above) and no steeper than 45 degrees (gates apart), its surface
+// lies where the water of the whole column fills it: exact for the volume, and it answers a rise of any size, however
+// small beside the cell, which the fill of single cells does not (docs/decisions/0001). Elsewhere the depth comes from
+// each cell's fill. level (columns) [m]: to which its water fills each column: of column_heights where porosity and
+// openness are the same all around, else of column_levels. open (cells): 0 marks cells closed by solids. column, eta
+// (grid.shape[:-1]): work space; level of the surface above z = 0 [m], NaN where dry.
 template <int D>
-inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level, double* depth,
-                         std::uint8_t* active, double* column, double* eta) {
+inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level,
+                         const Gates& gates, double* depth, std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
   // ground: closed cells at the bottom of a column
@@ -100,6 +111,8 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
             if (g.periodic[a]) j = (j + shape[a]) % shape[a];
             if (j < 0 || j >= shape[a]) continue;
             const double other = column[c + (j - i[a]) * stride[a]];
+            const double face = static_cast<double>(std::max(i[a], i[a] + side)) * g.h[a];
+            if (a == 0 && gate_between(gates, face, g.h[a], column[c] * hz, other * hz)) continue;
             if (!(std::abs(other - column[c]) * hz <= g.h[a])) gentle = false;
           }
         const double* F = fill + c * nz;

@@ -106,26 +106,43 @@ inline void each_image(const Grid<D>& g, const Paddles& paddles, const double* x
   }
 }
 
+// Calls sum(keep), where keep(reach, x) holds what a particle reaches along the first axis, of cell centres, between
+// the gates.
+template <int D, class Sum>
+inline void between_gates(const Grid<D>& g, const Gates& gates, const Sum& sum) {
+  if (gates.count == 0) {
+    sum([](auto&, const double*) {});
+    return;
+  }
+  sum([=](auto& reach, const double* x) {
+    reach.keep(room_of_cells(g, gates, x), x[0] / g.h[0] - 0.5, g.shape[0], g.periodic[0]);
+  });
+}
+
 // Sums over particles of weight * amount to cell centres with the tent kernel, walls folded: out (cells), overwritten.
 // What is near a wall between the faces counts for its image too, so that full water is full up to the wall.
-// factor (cells): by which the sums are multiplied; null: 1.
+// Gates fold as well. factor (cells): by which the sums are multiplied; null: 1.
 template <int D>
 inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
-                          const Paddles& paddles, const double* factor, double* out) {
+                          const Paddles& paddles, const Gates& gates, const double* factor, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(g.cells(), [=](index c) { out[c] = 0.0; });
-  each_slab(g, start, [=](index begin, index end) {
-    for (index p = begin; p < end; ++p) {
-      const double v = amount[p];
-      const auto add = [=](const double* at) {
-        Stencil<LinearKernel, D> st;
-        st.set_centres(g, at);
-        st.template each<-1>(stride, [=](index f, double w, double) { out[f] += w * v; });
-      };
-      add(x + D * p);
-      each_image(g, paddles, x + D * p, add);
-    }
-  });
+  const auto sum = [=](auto keep) {
+    each_slab(g, start, [=](index begin, index end) {
+      for (index p = begin; p < end; ++p) {
+        const double v = amount[p];
+        const auto add = [=](const double* at) {
+          Stencil<LinearKernel, D> st;
+          st.set_centres(g, at);
+          keep(st.centre[0], at);
+          st.template each<-1>(stride, [=](index f, double w, double) { out[f] += w * v; });
+        };
+        add(x + D * p);
+        each_image(g, paddles, x + D * p, add);
+      }
+    });
+  };
+  between_gates(g, gates, sum);
   if (factor) parallel_for(g.cells(), [=](index c) { out[c] *= factor[c]; });
 }
 

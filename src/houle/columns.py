@@ -10,7 +10,10 @@ in x y is left where an upright edge stands inside a half cell: a few thousandth
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -26,6 +29,7 @@ REACH = 2  # columns: the spline of column_heights sees one and a half, its sum 
 SAMPLES = np.array([1.0, 3.0, 5.0]) / 6.0  # of a piece: three points that give its parabola, inside of any steps
 
 Region = tuple[float, FloatArray]  # what it adds to the porosity, its edges (E, 2, 2) [cells]
+Tents = list[tuple[float, "_Tent"]]
 
 
 @dataclass(frozen=True)
@@ -44,49 +48,97 @@ class Capacity:
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Capacity:
         """Of all columns that are not uniform."""
-        mixed = ~uniform_columns(grid, medium)
-        column, pieces = [], []
-        layers = _layers(grid, medium)
-        across = _layer_weights(grid, [span for span, _ in layers])
-        for i in np.flatnonzero(mixed.any(axis=tuple(range(1, mixed.ndim)))):
-            tent = _Tent.of(int(i), grid.shape[0], grid.periodic[0])
-            z = _heights([edge for _, regions in layers for _, edge in regions], tent, grid.shape[-1])
-            sections = np.stack([_sections(regions, tent, z) for _, regions in layers])
-            for number in np.flatnonzero(mixed[i]):
-                column.append(int(i) * mixed[i].size + int(number))
-                pieces.append(_pieces(z, np.tensordot(across[number], sections, 1)))
-        lengths = [len(p) for p in pieces]
+        return cls._joined(_columns(grid, medium, range(grid.shape[0]), ()))
+
+    @classmethod
+    def _joined(cls, pieces: dict[int, FloatArray]) -> Capacity:
+        """From the pieces (P, 5) of each column."""
+        lengths = [len(p) for p in pieces.values()]
         return cls(
-            fixed(np.array(column, np.int64)),
+            fixed(np.array(list(pieces), np.int64)),
             fixed(np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)),
-            np.concatenate([np.empty((0, 5)), *pieces]),
+            np.concatenate([np.empty((0, 5)), *pieces.values()]),
         )
+
+    def between_gates(self, grid: Grid, medium: Medium, gates: FloatArray) -> Capacity:
+        """The same where gates (K, 2) stand, x [m] and lower edge [m]: the tents beside them are folded there."""
+        faces = {round(x / grid.spacing[0]) for x, _ in gates}
+        pieces = _columns(grid, medium, sorted(faces | {face - 1 for face in faces}), gates)
+        if not pieces:
+            return self
+        own = zip(self.column.tolist(), np.split(self.pieces, self.start[1:-1]), strict=True)
+        return self._joined({**dict(own), **pieces})
 
 
 @dataclass(frozen=True)
 class _Tent:
-    """The tent of one column along an axis, with its images behind walls or periodic sides: centres [cells]."""
+    """The tent of one column along an axis, with its images behind walls or periodic sides: centres [cells].
+
+    low, high: gates between which it lies, with the centres of the images behind them [cells].
+    """
 
     centres: FloatArray
+    low: float = -math.inf
+    high: float = math.inf
 
     @classmethod
     def of(cls, number: int, count: int, periodic: bool) -> _Tent:
         c = number + 0.5
         return cls(np.array([c, c - count, c + count] if periodic else [c, -c, 2 * count - c]))
 
+    def between(self, faces: Sequence[int]) -> _Tent:
+        """The same between gates on faces at its sides."""
+        c = self.centres[0]
+        low = max((float(f) for f in faces if f < c), default=-math.inf)
+        high = min((float(f) for f in faces if f > c), default=math.inf)
+        images = [2.0 * f - c for f in (low, high) if math.isfinite(f)]
+        return _Tent(np.concatenate([self.centres, images]), low, high)
+
     def below(self, x: FloatArray) -> FloatArray:
         """Its integral from far below up to x [cells]."""
+        whole = self._whole(np.clip(x, self.low, self.high))
+        return whole - self._whole(np.array(self.low)) if math.isfinite(self.low) else whole
+
+    def _whole(self, x: FloatArray) -> FloatArray:
         s = np.clip(np.asarray(x)[..., None] - self.centres, -1.0, 1.0)
         return np.where(s < 0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2).sum(axis=-1)
 
     @property
     def kinks(self) -> FloatArray:
-        return np.unique(self.centres[:, None] + [-1.0, 0.0, 1.0])
+        gates = [face for face in (self.low, self.high) if math.isfinite(face)]
+        return np.unique(np.append(self.centres[:, None] + [-1.0, 0.0, 1.0], gates))
 
     def touches(self, edge: FloatArray) -> NDArray[np.bool_]:
         """Which of the edges (E, 2, 2) reach into it."""
         low, high = edge[:, :, 0].min(axis=1), edge[:, :, 0].max(axis=1)
         return np.any((low[:, None] <= self.centres + 1) & (high[:, None] >= self.centres - 1), axis=1)
+
+
+def _columns(grid: Grid, medium: Medium, among: Iterable[int], gates: Iterable[FloatArray]) -> dict[int, FloatArray]:
+    """The pieces (P, 5) of the columns that are not uniform, by their flat numbers. among: along x."""
+    mixed = ~uniform_columns(grid, medium)
+    layers = _layers(grid, medium)
+    across = _layer_weights(grid, [span for span, _ in layers])
+    outlines = [edge for _, regions in layers for _, edge in regions]
+    found = {}
+    for i in among:
+        if not mixed[i].any():
+            continue
+        tents = _tents(grid, i, gates)
+        z = _heights(outlines, tents, grid.shape[-1])
+        sections = np.stack([_sections(regions, tents, z) for _, regions in layers])
+        for number in np.flatnonzero(mixed[i]):
+            found[i * mixed[i].size + int(number)] = _pieces(z, np.tensordot(across[number], sections, 1))
+    return found
+
+
+def _tents(grid: Grid, i: int, gates: Iterable[FloatArray]) -> Tents:
+    """From which height on [cells], and the tent of column i from there: gates fold what reaches above their edges."""
+    plain, up = _Tent.of(i, grid.shape[0], grid.periodic[0]), grid.spacing[-1]
+    beside = sorted((max(0.0, bottom / up - 0.5), round(x / grid.spacing[0])) for x, bottom in gates)
+    beside = [(bottom, face) for bottom, face in beside if face in (i, i + 1)]
+    folded = [(low, plain.between([face for _, face in beside[: k + 1]])) for k, (low, _) in enumerate(beside)]
+    return [(0.0, plain), *folded]
 
 
 def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
@@ -121,10 +173,10 @@ def _layer_weights(grid: Grid, spans: list[tuple[float, float]]) -> FloatArray:
     return np.array([tent.below(ends[:, 1]) - tent.below(ends[:, 0]) for tent in tents])
 
 
-def _heights(outlines: list[FloatArray], tent: _Tent, top: int) -> FloatArray:
+def _heights(outlines: list[FloatArray], tents: Tents, top: int) -> FloatArray:
     """Sorted heights [cells] between which the section of the column is a parabola, from 0 to top."""
-    found = [np.array([0.0, float(top)])]
-    for outline in outlines:
+    found = [np.array([0.0, float(top), *(low for low, _ in tents)])]
+    for (_, tent), outline in product(tents, outlines):
         edge = outline[tent.touches(outline)]
         found.append(edge[:, :, 1].ravel())
         start, step = edge[:, None, 0], edge[:, None, 1] - edge[:, None, 0]
@@ -138,9 +190,18 @@ def _heights(outlines: list[FloatArray], tent: _Tent, top: int) -> FloatArray:
     return z
 
 
-def _sections(regions: list[Region], tent: _Tent, z: FloatArray) -> FloatArray:
+def _sections(regions: list[Region], tents: Tents, z: FloatArray) -> FloatArray:
     """Mean porosity (P, 3) over the tent at the `SAMPLES` of each piece between the heights z (P + 1,)."""
     at = z[:-1, None] + np.diff(z)[:, None] * SAMPLES
+    total = np.empty_like(at)
+    for low, tent in tents:
+        above = at[:, 0] > low
+        total[above] = _mean(regions, tent, at[above])
+    return total
+
+
+def _mean(regions: list[Region], tent: _Tent, at: FloatArray) -> FloatArray:
+    """Mean porosity over the tent at heights [cells]."""
     total = np.ones_like(at)
     for gain, edge in regions:
         for (x0, z0), (x1, z1) in edge:

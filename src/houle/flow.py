@@ -14,6 +14,7 @@ from houle.columns import Capacity
 from houle.driven import Driven
 from houle.geometry import Box
 from houle.grid import Faces, FloatArray, Grid, spread, widened
+from houle.interfaces import Interfaces
 from houle.particles import Particles
 from houle.porous import Medium
 from houle.remesh import EVERYWHERE
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
+AROUND = 4  # cells beside a gate in which the water counts that its columns can hold
 LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
 
 
@@ -78,6 +80,7 @@ class Flow:
         self.extra: Faces = []  # further accelerations on the faces [m/s2], for the next forces; empty: none
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
+        self.interfaces = medium.interfaces  # of the medium, and the gates
         self.time = 0.0  # of the positions [s]
         self.last_step = 0.0  # [s]
         self.fastest = [0.0] * grid.dimension  # largest |u_d| / n along each axis, of an arranged flow [m/s]
@@ -159,6 +162,22 @@ class Flow:
         """Those cells, and all that touch one."""
         return np.ascontiguousarray(spread(self.at_interface, self.grid.periodic), np.uint8)
 
+    def place_gates(self, gates: FloatArray) -> None:
+        """Stands gates (K, 2) where they are now: x [m] and lower edge [m], on grid lines."""
+        if np.array_equal(gates, self.gates):
+            return
+        if not len(self.gates):
+            self.whole_capacity, self.whole_mixed = self.inverse_capacity.copy(), self.mixed
+        self.gates, self.mixed = gates, self.whole_mixed.between_gates(self.grid, self.medium, gates)
+        self.interfaces = Interfaces.with_gates(self.grid, gates, self.medium.interfaces)
+        self.inverse_capacity[...] = self.whole_capacity
+        h, size = self.grid.spacing, self.grid.size
+        for x, _ in gates:
+            near = max(0.0, x - AROUND * h[0]), min(size[0], x + AROUND * h[0])
+            capacity = self._inverse_capacity(Box((near[0], *(0.0,) * (len(h) - 1)), (near[1], *size[1:])))
+            beside = slice(round(x / h[0]) - 1, round(x / h[0]) + 1)
+            self.inverse_capacity[beside] = capacity[beside]
+
     def open_passages(self) -> None:
         """Openness of the faces: that of the medium, in arrays of their own, less what the gates cover."""
         if self.open_faces[0] is self.medium.open_faces[0]:
@@ -175,15 +194,20 @@ class Flow:
         Summed over the particles of a flooded tank and not integrated: so the fill of water at rest is 1 to round-off
         across interfaces of any slope, where a sum over particles differs from the integral by 1e-3.
         """
+        self.inverse_capacity[...] = self._inverse_capacity(Box((0.0,) * self.grid.dimension, self.grid.size))
+
+    def _inverse_capacity(self, box: Box) -> FloatArray:
+        """1 / what the tents hold of the water in a box [1/m^d]."""
         core, start = self.grid.core, np.zeros_like(self.start)
-        capacity, part = self.grid.cells(), self.grid.cells()
-        for flood in seed_slabs(self.grid, self.medium, [Box((0.0,) * self.grid.dimension, self.grid.size)]):
+        capacity, part, inverse = self.grid.cells(), self.grid.cells(), self.grid.cells()
+        for flood in seed_slabs(self.grid, self.medium, [box]):
             order, cell = np.zeros(len(flood), np.int32), np.zeros(len(flood), np.int32)
             _core.cell_sort(core, flood.position, cell, order, start)
-            _core.scatter_cells(core, start, flood.position[order], flood.volume[order], part)
+            _core.scatter_cells(core, start, flood.position[order], flood.volume[order], part, gates=self.gates)
             capacity += part
         least = 1e-9 * self.grid.cell_volume
-        np.divide(1.0, capacity, out=self.inverse_capacity, where=capacity > least)
+        np.divide(1.0, capacity, out=inverse, where=capacity > least)
+        return inverse
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray] | None:
         """One of the kinds of the medium as the core takes it; None in clear water, where it is one."""

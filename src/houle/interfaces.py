@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from shapely.affinity import affine_transform
 
 from houle.geometry import Span, covers, polygons
-from houle.grid import FloatArray, Grid, beside, seen, spread
+from houle.grid import FloatArray, Grid, beside, fixed, seen, spread
 
 if TYPE_CHECKING:
     from houle.porous import Part, PorousBody
@@ -29,6 +29,7 @@ LEAST_SHARE = 1e-6  # of the box around a face: another medium that takes less d
 ON_LINE = 1e-6  # [spacings] what is nearer to an interface lies on it
 ASIDE = 1e-3  # [spacings] from an interface: where the media of its two sides are looked up
 SOLID = -1  # in the place of the number of a medium
+GATE = (-3.0, -2.0)  # in the place of those on both sides: before and behind a gate
 
 
 class Interfaces(NamedTuple):
@@ -70,6 +71,24 @@ class Interfaces(NamedTuple):
         medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
         close = np.where(_several_seen(grid, medium), number, np.int32(-1))
         return cls(number, close, np.ascontiguousarray(planes), medium)
+
+    @classmethod
+    def with_gates(cls, grid: Grid, gates: FloatArray, media: Interfaces | None) -> Interfaces | None:
+        """With the parts of gates that are shut, which hide interfaces in the cells beside them. gates (K, 2): x of the
+        face and height of the lower edge [m]. In the cells of both sides each side has its own velocity.
+        """
+        d, h = grid.dimension, grid.spacing
+        if media is None:
+            medium = [fixed(np.zeros(grid.face_shape(a), np.int8)) for a in range(d)]
+            nowhere = np.full(grid.shape, -1, np.int32)
+            media = cls(nowhere, nowhere, np.empty((0, d + 3)), medium)
+        number, close, planes = media.number.copy(), media.close.copy(), np.zeros((len(gates), d + 3))
+        planes[:, 0], planes[:, d], planes[:, -2:] = 1.0, gates[:, 0], GATE
+        for k, (x, bottom) in enumerate(gates):
+            face, row = round(x / h[0]), round(bottom / h[-1])
+            for table in (number, close):
+                table[face - 1 : face + 1, ..., row:] = len(media.planes) + k
+        return cls(fixed(number), fixed(close), np.concatenate([media.planes, planes]), media.medium)
 
     def oblique(self, grid: Grid) -> NDArray[np.bool_]:
         """Cells whose nearest interface is oblique, nearly parallel to faces of no axis, and those around them."""

@@ -72,15 +72,15 @@ def find_surface(flow: Flow) -> None:
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
     volume = flow.particles.volume
-    _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity)
-    _core.column_heights(core, flow.start, position, volume, flow.height, flow.walls)
+    _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity, flow.gates)
+    _core.column_heights(core, flow.start, position, volume, flow.height, flow.walls, flow.gates)
     _core.column_levels(
         core, flow.height, flow.column_porosity, flow.fill, flow.inverse_capacity,
         mixed.column, mixed.start, mixed.pieces, flow.level,
     )  # fmt: skip
     _core.find_surface(
         core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.depth, flow.active, flow.column,
-        flow.eta,
+        flow.eta, flow.gates,
     )  # fmt: skip
     for paddle in flow.paddles:
         paddle.shut()
@@ -331,7 +331,7 @@ def _move(flow: Flow, dt: float) -> None:
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
-        flow.medium.outline, flow.gates, dt, p.position, flow.walls, flow.medium.interfaces,
+        flow.medium.outline, flow.gates, dt, p.position, flow.walls, flow.interfaces,
     )  # fmt: skip
     _book_crossings(flow, before)
 

@@ -241,7 +241,7 @@ class Simulation:
         for gate in gates:
             bottom = max(0.0, (self.time - gate.start) * gate.speed)
             rows.append((round(gate.x / h[0]) * h[0], math.floor(bottom / h[up] + 0.5) * h[up]))
-        flow.gates = np.array(rows)
+        flow.place_gates(np.array(rows))
         if flow.paddles:
             place(flow)
         else:

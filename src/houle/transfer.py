@@ -38,7 +38,7 @@ def _cloud(flow: Flow) -> tuple:
 
 def interpolate(flow: Flow, faces: Faces, out: FloatArray) -> None:
     """A field on the faces at the particles (N, d), as they see velocities."""
-    _core.to_particles(*_cloud(flow), faces, [], [], 0.0, out, flow.medium.interfaces)
+    _core.to_particles(*_cloud(flow), faces, [], [], 0.0, out, flow.interfaces)
 
 
 class Pic:
@@ -49,7 +49,7 @@ class Pic:
 
     def to_grid(self, flow: Flow) -> None:
         _core.to_faces(
-            *_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.work.face_mass, flow.medium.interfaces
+            *_cloud(flow), flow.particles.velocity, None, flow.velocity, flow.work.face_mass, flow.interfaces
         )
 
     def to_particles(self, flow: Flow) -> None:
@@ -75,13 +75,13 @@ class Fmpm(Pic):
     def to_grid(self, flow: Flow) -> None:
         p = flow.particles
         if flow.kernel == "linear":
-            spaces = (flow.velocity, flow.work.face_mass, flow.old_velocity, flow.work.store, flow.medium.interfaces)
+            spaces = (flow.velocity, flow.work.face_mass, flow.old_velocity, flow.work.store, flow.interfaces)
             flow.work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *spaces)
             return
         super().to_grid(flow)
         for _ in range(1, self.order):
             faces = (flow.work.face_mass, flow.velocity, flow.old_velocity)
-            _core.add_residual(*_cloud(flow), p.velocity, *faces, flow.medium.interfaces)
+            _core.add_residual(*_cloud(flow), p.velocity, *faces, flow.interfaces)
 
 
 class Flip(Pic):
@@ -103,7 +103,7 @@ class Flip(Pic):
             flow.drag,
             self.share,
             flow.particles.velocity,
-            flow.medium.interfaces,
+            flow.interfaces,
         )
         flow.interpolated = False
 
@@ -116,17 +116,17 @@ class Apic(Pic):
         if "affine" not in self.arrays:
             self.arrays["affine"] = np.zeros((n, d, d))
         faces = (flow.velocity, flow.work.face_mass)
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], *faces, flow.medium.interfaces)
+        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], *faces, flow.interfaces)
 
     def to_particles(self, flow: Flow) -> None:
         super().to_particles(flow)
-        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.medium.interfaces)
+        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.interfaces)
 
     def renew(self, flow: Flow) -> None:
         """New particles take the velocity gradient of the grid: without it remeshing would be PIC."""
         n, d = flow.particles.position.shape
         self.arrays["affine"] = np.zeros((n, d, d))
-        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.medium.interfaces)
+        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.interfaces)
 
 
 def make(name: str, *, flip: float, order: int) -> Transfer:

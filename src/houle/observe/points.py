@@ -24,7 +24,7 @@ def velocity_at(flow: Flow, points: FloatArray) -> FloatArray:
     velocity, mass = np.zeros(points.shape), np.ones(len(points))
     if len(points):
         cloud = (flow.grid.core, "linear", points, None, mass, flow.start)
-        _core.to_particles(*cloud, flow.velocity, [], [], 0.0, velocity, flow.medium.interfaces)
+        _core.to_particles(*cloud, flow.velocity, [], [], 0.0, velocity, flow.interfaces)
     return velocity
 
 
