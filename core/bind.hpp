@@ -416,9 +416,19 @@ inline const std::int32_t* cell_start_of(const Grid<D>& g, const Numbers& cell_s
 }
 
 // each bind_*.cpp fills the module for D = 2 and D = 3 (overloads told apart by Grid2 / Grid3)
+// Calls f with the dimension of an (N, d) array.
+template <class T, class F>
+inline auto with_dimension(const View<T>& v, const char* name, F f) {
+  if (v.dimensions != 2 || (v.shape[1] != 2 && v.shape[1] != 3))
+    refuse(std::string(name) + " must have shape (N, 2) or (N, 3), not " + v.shape_text());
+  const auto n = static_cast<index>(v.shape[0]);
+  return v.shape[1] == 2 ? f(std::integral_constant<int, 2>{}, n) : f(std::integral_constant<int, 3>{}, n);
+}
+
 void bind_poisson(nb::module_& m);
 void bind_transfer(nb::module_& m);
 void bind_flow(nb::module_& m);
+void bind_crossing(nb::module_& m);
 void bind_remesh(nb::module_& m);
 void bind_sph(nb::module_& m);
 

@@ -120,6 +120,7 @@ NB_MODULE(_core, m) {
   bind_poisson(m);
   bind_transfer(m);
   bind_flow(m);
+  bind_crossing(m);
   bind_remesh(m);
   bind_sph(m);
 }
