@@ -81,6 +81,8 @@ class Medium:
     closed_faces   of each axis, those in solids near the water; none without solids
     interfaces     between the media; None where there is one
     shared         of each axis, the faces that two media share side by side; empty where there is one medium
+    settles        whether water beside upright interfaces is seeded as flow leaves it (`seeding.Settled`): not where
+                   gates stand, nor where a body that fills all rows of this grid ends above them
     """
 
     grid: Grid
@@ -96,10 +98,13 @@ class Medium:
     closed_faces: list[ClosedFaces]
     interfaces: Interfaces | None
     shared: list[Shared]
+    settles: bool
 
     @classmethod
-    def build(cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = ()) -> Medium:
-        """The medium of these bodies and solids; clear water where there are none."""
+    def build(
+        cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = (), settles: bool = True
+    ) -> Medium:
+        """The medium of these bodies and solids; clear water where there are none. settles: see the class."""
         parts = partition(grid, bodies, solids)
         sections = [(span, area) for span, area, _ in parts]
         solid = Measure.of(grid, sections)
@@ -172,6 +177,7 @@ class Medium:
             closed_faces=closed_faces(grid, outline, open_cells, open_faces) if outline else [],
             interfaces=interfaces,
             shared=shared,
+            settles=settles,
         )
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:

@@ -80,6 +80,7 @@ DAMS = {
     "dry behind": pools(water=DAM["water"][:1]),
     "3D": pools(3, **DAM_3D),
     "a body that begins at the gate": pools(porous=[BODY], **DAM),
+    "a body through the whole height": pools(porous=[{**BODY, "box": [[0.48, 0.0], [0.7, 0.36]]}], **DAM),
     "a body that the gate cuts": pools(porous=[{**BODY, "box": [[0.44, 0.0], [0.7, 0.3]]}], **DAM),
     "a sill below it": pools(solid=[{"box": [[0.42, 0.0], [0.57, 0.043]]}], **DAM),
 }

@@ -135,14 +135,14 @@ def amplitudes(ends: dict[str, Any], x0: float, periods: int) -> list[float]:
     return found
 
 
-@pytest.mark.parametrize(("shift", "less"), [(0.0, 0.004), (0.004, 0.006), (0.008, 0.02), (0.015, 0.02)])
+@pytest.mark.parametrize(("shift", "less"), [(0.0, 0.004), (0.004, 0.004), (0.008, 0.02), (0.015, 0.02)])
 def test_a_block_of_huge_drag_reflects_as_a_wall(shift, less):
     """From the first to the last of six periods, in ten reflections, a standing wave between two such blocks loses
     little more than between walls.
 
-    On the grid lines each reflection is within 0.004 of that of a wall, 50 cells to the length; an eighth of a cell off
-    them within 0.006, a quarter and half a cell off, where more of the face is rock, within 0.02. With one velocity
-    along both sides of a face each was 0.02 (on the grid lines) to 0.07 (off them) lower.
+    On the grid lines and an eighth of a cell off them each reflection is within 0.004 of that of a wall, 50 cells to
+    the length; a quarter and half a cell off, where more of the face is rock, within 0.02. With one velocity along both
+    sides of a face each was 0.02 (on the grid lines) to 0.07 (off them) lower.
     """
     walls = amplitudes({}, 0.0, 6)
     blocks = [
