@@ -82,7 +82,7 @@ class Medium:
     interfaces     between the media; None where there is one
     shared         of each axis, the faces that two media share side by side; empty where there is one medium
     settles        whether water beside upright interfaces is seeded as flow leaves it (`seeding.Settled`): not where
-                   gates stand, nor where a body that fills all rows of this grid ends above them
+                   gates stand
     """
 
     grid: Grid

@@ -29,7 +29,7 @@ from houle.geometry import Box, Shape, Span, section
 from houle.grid import FloatArray, Grid, widened
 from houle.moments import Measure
 from houle.particles import Particles
-from houle.porous import LEAST, Medium, PorousBody, partition
+from houle.porous import LEAST, Medium, partition
 from houle.solids import Outline
 
 SLIVER = 0.25  # of the pore volume of a half cell: less water joins the particle beside it
@@ -182,21 +182,6 @@ def _only_axis(grid: Grid, medium: Medium) -> int | None:
         return None
     across = np.abs(medium.interfaces.planes[:, varies[0]]) > 1.0 - NEARLY
     return varies[0] if across.all() else None
-
-
-def reach_through(grid: Grid, bodies: Sequence[PorousBody]) -> bool:
-    """Whether every body, where others leave it room, goes on from the floor of the tank to its ceiling.
-
-    Where that is so, and interfaces are upright in the lowest rows of cells, they are in all.
-    """
-    width, height = grid.size[0], grid.size[-1]
-    ends = [shapely.LineString([(0.0, z), (width, z)]) for z in (0.0, height)]
-    for _, _, areas in partition(grid, bodies, []):
-        for area in areas:
-            least = height * min(shapely.intersection(area, end).length for end in ends)
-            if abs(area.area - least) > NEARLY * width * height:
-                return False
-    return True
 
 
 def _spline_pores(held: FloatArray, lean: FloatArray) -> FloatArray:

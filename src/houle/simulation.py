@@ -32,7 +32,7 @@ from houle.remesh import STRATEGIES
 from houle.remeshing import TRAVEL, Remeshing
 from houle.resistance import coefficients, inertia_coefficient
 from houle.room import Room
-from houle.seeding import reach_through, seed
+from houle.seeding import seed
 from houle.sides import OpenSide
 from houle.step import STEPS
 from houle.tables.control import SHORTEST, WAVE_SHARE
@@ -73,8 +73,7 @@ class Simulation:
         d, numerics = grid.dimension, case.numerics
         period = case.drag_period if case.porous else math.inf
         bodies = [_porous_body(b, d, case.fluid.viscosity, period) for b in case.porous]
-        settles = not case.gate and reach_through(self.grid, bodies)
-        self.medium = Medium.build(grid, bodies, [shape_of(s, d) for s in case.solid], settles)
+        self.medium = Medium.build(grid, bodies, [shape_of(s, d) for s in case.solid], settles=not case.gate)
         water = seed(grid, self.medium, [shape_of(w, d) for w in case.water])
         _set_off(case, water)
         self.flow = Flow(
