@@ -11,10 +11,11 @@
 
 namespace houle {
 
+// The sides of a gate, in the place of the numbers of media (GATE of interfaces.py).
+constexpr double before_gate = -3.0, behind_gate = -2.0;
+
 // The interface nearest to the centre of a cell, as a plane, and the media on both of its sides. Or a gate beside the
 // cell: then its sides stand in the place of the media, and faces belong to the side on which they lie.
-constexpr double before_gate = -3.0, behind_gate = -2.0;  // GATE of interfaces.py
-
 template <int D>
 struct Interface {
   double normal[D];
