@@ -159,7 +159,8 @@ class Settled:
                 carried = amount * np.where(amount > 0.0, np.delete(at, -1, axis=a), np.delete(at, 0, axis=a))
             carried = np.pad(carried, [(1, 1) if c == a else (0, 0) for c in range(wet.ndim)])
             field -= np.diff(carried, axis=a)
-        low, high = (np.insert(f, at, 0.0, axis=a) for f, at in ((left, 0), (right, count - 1)))
+        ends = [np.take(wet, at, axis=a) for at in (0, count - 1)]  # behind a wall, too, as much of it is water
+        low, high = (np.insert(f, at, end, axis=a) for f, at, end in ((left, 0, ends[0]), (right, count - 1, ends[1])))
         moment[a] += self.stir[begin : begin + count].reshape(shape) * np.minimum(np.minimum(low, high), wet)
 
 
