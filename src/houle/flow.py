@@ -162,10 +162,12 @@ class Flow:
         """Those cells, and all that touch one."""
         return np.ascontiguousarray(spread(self.at_interface, self.grid.periodic), np.uint8)
 
-    def place_gates(self, gates: FloatArray) -> None:
-        """Stands gates (K, 2) where they are now: x [m] and lower edge [m], on grid lines."""
+    def place_gates(self, gates: FloatArray) -> bool:
+        """Stands gates (K, 2) where they are now: x [m] and lower edge [m], on grid lines. Returns whether one moved:
+        then the surface is another beside it.
+        """
         if np.array_equal(gates, self.gates):
-            return
+            return False
         if not len(self.gates):
             self.whole_capacity, self.whole_mixed = self.inverse_capacity.copy(), self.mixed
         self.gates, self.mixed = gates, self.whole_mixed.between_gates(self.grid, self.medium, gates)
@@ -177,6 +179,7 @@ class Flow:
             capacity = self._inverse_capacity(Box((near[0], *(0.0,) * (len(h) - 1)), (near[1], *size[1:])))
             beside = slice(round(x / h[0]) - 1, round(x / h[0]) + 1)
             self.inverse_capacity[beside] = capacity[beside]
+        return True
 
     def open_passages(self) -> None:
         """Openness of the faces: that of the medium, in arrays of their own, less what the gates cover."""

@@ -24,7 +24,7 @@ from houle.grid import FloatArray, axes
 from houle.ledger import OPERATIONS, WORKS, Ledger
 from houle.observe import Observers, Profile, at_points
 from houle.observe.held import water_held
-from houle.operations import arrange, prepare
+from houle.operations import arrange, find_surface, prepare
 from houle.paddle import Paddle, place
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
@@ -186,7 +186,8 @@ class Simulation:
         remaining, largest = stop - self.time, self._largest_step()
         count = max(1, math.ceil(remaining / largest - 1e-9))
         last, self.step_size = self.step_size, remaining / count
-        self._place_gates()
+        if self._place_gates():
+            find_surface(self.flow)
         self.flow.time = self.time
         self.flow.last_step = last
         for paddle in self.flow.paddles:
@@ -228,24 +229,26 @@ class Simulation:
         crossed = min(1.0 / cells, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
         return min(case.courant * crossed, self.viscous_step)
 
-    def _place_gates(self) -> None:
-        """Closes the faces that the gates cover at the present time. Their lower edges stand on the nearest grid line.
+    def _place_gates(self) -> bool:
+        """Closes the faces that the gates cover at the present time, and says whether one has moved. Their lower edges
+        stand on the nearest grid line.
 
         Through a face that is a little open the pressure would drive the water of a whole cell, which cannot pass.
         """
         flow, gates = self.flow, self.case.gate
         if not gates:
-            return
+            return False
         h, up = self.grid.spacing, self.grid.dimension - 1
         rows = []
         for gate in gates:
             bottom = max(0.0, (self.time - gate.start) * gate.speed)
             rows.append((round(gate.x / h[0]) * h[0], math.floor(bottom / h[up] + 0.5) * h[up]))
-        flow.place_gates(np.array(rows))
+        moved = flow.place_gates(np.array(rows))
         if flow.paddles:
             place(flow)
         else:
             flow.open_passages()
+        return moved
 
     def _check(self, largest: float) -> None:
         """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
