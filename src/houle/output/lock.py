@@ -39,11 +39,24 @@ def held(directory: Path) -> Iterator[None]:
         with contextlib.suppress(OSError):
             file.truncate(0)
             file.write(str(os.getpid()).encode())
+        _open.add(file)
         try:
             yield
         finally:
+            _open.discard(file)
             with contextlib.suppress(OSError):
                 path.unlink()
+
+
+def _let_go() -> None:
+    """In the child of a fork: the lock is the parent's, and goes with it."""
+    for file in _open:
+        file.close()
+
+
+_open: set[BinaryIO] = set()  # the files of the folders that this process holds
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_let_go)
 
 
 def lock(file: BinaryIO) -> None:
