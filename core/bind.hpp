@@ -415,7 +415,6 @@ inline const std::int32_t* cell_start_of(const Grid<D>& g, const Numbers& cell_s
   return v.data;
 }
 
-// each bind_*.cpp fills the module for D = 2 and D = 3 (overloads told apart by Grid2 / Grid3)
 // Calls f with the dimension of an (N, d) array.
 template <class T, class F>
 inline auto with_dimension(const View<T>& v, const char* name, F f) {
@@ -425,6 +424,7 @@ inline auto with_dimension(const View<T>& v, const char* name, F f) {
   return v.shape[1] == 2 ? f(std::integral_constant<int, 2>{}, n) : f(std::integral_constant<int, 3>{}, n);
 }
 
+// each bind_*.cpp fills the module for D = 2 and D = 3 (overloads told apart by Grid2 / Grid3)
 void bind_poisson(nb::module_& m);
 void bind_transfer(nb::module_& m);
 void bind_flow(nb::module_& m);

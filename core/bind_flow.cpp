@@ -12,15 +12,13 @@ namespace houle {
 template <int D>
 static Resistance<D> resistance_of(const Grid<D>& g, const FaceNumbers& number, const OptionalGiven& table,
                                    const Givens& rate, const OptionalListed& energy, const GivenMasks& held) {
+  const auto materials = table ? materials_of(*table) : Points<2, const Material>{};
   Resistance<D> r;
-  r.number = faces(g, number, "number", true);
+  r.number = table ? numbers_of(g, number, materials.n, true) : faces(g, number, "number", true);
+  r.table = materials.data;
   r.rate = faces(g, rate, "rate", true);
   r.energy = listed_of(g, energy, "energy");
   r.held = faces(g, held, "held", true);
-  if (!table) return {};
-  const auto materials = materials_of(*table);
-  r.table = materials.data;
-  r.number = numbers_of(g, number, materials.n, true);
   return r;
 }
 

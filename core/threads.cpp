@@ -1,5 +1,11 @@
 #include "threads.hpp"
 
+#if defined(HOULE_TBB)
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
@@ -7,11 +13,6 @@
 #include <mutex>
 #include <thread>
 
-#if defined(HOULE_TBB)
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#endif
 #if defined(__unix__) || defined(__APPLE__)
 #include <pthread.h>
 #endif
@@ -36,12 +37,6 @@ int wanted_threads() {
   const int wanted = text ? std::atoi(text) : 0;
   return wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
-
-}  // namespace
-
-#if defined(HOULE_TBB)
-
-namespace {
 
 std::atomic<bool> orphan{false};  // in the child of a fork
 
@@ -99,7 +94,11 @@ void share(index n, index part, Loop loop) {
   __tsan_acquire(&done);
 }
 
+}  // namespace houle
+
 #else
+
+namespace houle {
 
 void set_threads(int) {}
 
@@ -107,6 +106,6 @@ int get_threads() { return 1; }
 
 void share(index n, index, Loop loop) { loop.run(loop.body, 0, n); }
 
-#endif
-
 }  // namespace houle
+
+#endif

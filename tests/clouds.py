@@ -6,7 +6,10 @@ import numpy as np
 from hypothesis import strategies as st
 
 from houle import _core
+from houle.flow import Flow
 from houle.grid import Faces, FloatArray, Grid
+from houle.particles import Particles
+from houle.porous import Medium
 
 
 @st.composite
@@ -73,3 +76,12 @@ def linear_faces(grid: Grid, constant: FloatArray, gradient: FloatArray) -> Face
 def each_once(grid: Grid, axis: int, field: FloatArray) -> FloatArray:
     """A face field without the copy of its first face at the end of a periodic axis."""
     return np.delete(field, -1, axis=axis) if grid.periodic[axis] else field
+
+
+def porosity_at(grid: Grid, medium: Medium, particles: Particles) -> FloatArray | None:
+    """Of the medium at the particles (N,), as remeshing takes it; None in clear water."""
+    if not medium.bodies:
+        return None
+    flow = Flow(grid, medium, particles, gravity=(0.0,) * grid.dimension)
+    flow.sample_medium()
+    return np.array(flow.porosity)

@@ -140,35 +140,17 @@ class Medium:
             tents = _Mean(solid, inside, [with_tent] * grid.dimension).of(porosities, 1.0)
             particle_porosity = _fit_tents(porosity, tents, open_cells > 0.0, grid.periodic)
         one_inertia, uniform = _uniform(grid, particle_porosity, [materials[number, 0] for number in material])
-        names = (
-            "porosity",
-            "particle_porosity",
-            "open_cells",
-            "energy",
-            "coefficient",
-            "contrast",
-            "inertia",
-            "uniform",
-            *lag,
-        )
-        fields = [
-            porosity,
-            particle_porosity,
-            open_cells,
-            energy,
-            coefficient,
-            contrast,
-            one_inertia,
-            uniform,
-            *lag.values(),
-        ]
-        kind, kinds = _listed(fields)
+        fields = {
+            "porosity": porosity, "particle_porosity": particle_porosity, "open_cells": open_cells, "energy": energy,
+            "coefficient": coefficient, "contrast": contrast, "inertia": one_inertia, "uniform": uniform, **lag,
+        }  # fmt: skip
+        kind, kinds = _listed(list(fields.values()))
         return cls(
             grid=grid,
             bodies=tuple(bodies),
             solids=tuple(solids),
             kind=fixed(kind),
-            kinds=dict(zip(names, np.ascontiguousarray(kinds.T), strict=True)),
+            kinds=dict(zip(fields, np.ascontiguousarray(kinds.T), strict=True)),
             open_faces=open_faces,
             material=[fixed(number) for number in material],
             materials=materials,

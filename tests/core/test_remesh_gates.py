@@ -10,10 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_remesh as reference
-from clouds import numbered
-from houle.flow import Flow
+from clouds import numbered, porosity_at
 from houle.geometry import Box
-from houle.grid import FloatArray, Grid
+from houle.grid import Grid
 from houle.particles import Particles
 from houle.porous import Medium, PorousBody
 from houle.remesh import Conservative, Paper
@@ -63,16 +62,9 @@ class Tank:
         volume = self.grid.cell_volume / 2**d * 10 ** r.uniform(-3.0, 0.2, len(x))
         return Particles(x, r.normal(size=x.shape), volume)
 
-    def porosity(self, p: Particles) -> FloatArray | None:
-        if not self.medium.bodies:
-            return None
-        flow = Flow(self.grid, self.medium, p, gravity=(0.0,) * self.grid.dimension)
-        flow.sample_medium()
-        return np.array(flow.porosity)
-
     def remesh(self, p: Particles, along: bool = True) -> Particles:
         scheme = Conservative.of(self.grid, self.medium)
-        return (scheme if along else scheme.with_water)(p, self.porosity(p), gates=self.gates)
+        return (scheme if along else scheme.with_water)(p, porosity_at(self.grid, self.medium, p), gates=self.gates)
 
     def room(self, p: Particles) -> np.ndarray:
         """The number of the room between the gates in which each particle is; around a periodic axis the last is the

@@ -15,9 +15,8 @@ import shapely
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from clouds import lattice
+from clouds import lattice, porosity_at
 from houle import _core
-from houle.flow import Flow
 from houle.geometry import Box, Polygon
 from houle.grid import FloatArray, Grid
 from houle.particles import Particles
@@ -102,13 +101,6 @@ class Situation:
         _core.leave_solids(self.grid.core, self.medium.outline, out)
         return np.abs((out - x) / self.h).max(axis=1, initial=0.0)
 
-    def porosity(self, p: Particles) -> FloatArray | None:
-        if not self.medium.bodies:
-            return None
-        flow = Flow(self.grid, self.medium, p, gravity=(0.0,) * self.grid.dimension)
-        flow.sample_medium()
-        return np.array(flow.porosity)
-
     def wide_enough(self, axis: int) -> bool:
         """For the first moment to have a meaning: no water comes round the ends."""
         return not self.grid.periodic[axis] or self.grid.shape[axis] >= 12
@@ -124,7 +116,7 @@ def first_moment(p: Particles, axis: int) -> float:
 def test_nothing_is_made_and_nothing_lost(seed, d, form):
     tank = Situation(seed, d)
     old = tank.water(form)
-    new = Conservative.of(tank.grid, tank.medium)(old, tank.porosity(old))
+    new = Conservative.of(tank.grid, tank.medium)(old, porosity_at(tank.grid, tank.medium, old))
     assert np.all(new.volume > 0)
     assert np.all((new.position >= 0) & (new.position <= tank.size))
     assert np.all(tank.depth_in_solids(new.position) < 1e-8)  # beside two edges at once the way out has this margin

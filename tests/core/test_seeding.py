@@ -228,6 +228,15 @@ def test_beside_other_interfaces_it_lies_as_drawn(body: Shape):
     assert Settled.of(grid, Medium.build(grid, [PorousBody("rock", body, 0.45)])) is None
 
 
+def assert_same_in_slabs(grid: Grid, medium: Medium, water: list[Shape], monkeypatch: pytest.MonkeyPatch):
+    found = []
+    for size in (10**9, 1):
+        monkeypatch.setattr("houle.seeding.SLAB", size)
+        found.append(seed(grid, medium, water))
+    whole, slabs = found
+    assert np.array_equal(whole.position, slabs.position) and np.array_equal(whole.volume, slabs.volume)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_slabs_make_no_difference(dimension: int, monkeypatch: pytest.MonkeyPatch):
     """Whole or eight columns of half cells at a time, slivers at their ends included: the same to the last bit."""
@@ -236,12 +245,7 @@ def test_slabs_make_no_difference(dimension: int, monkeypatch: pytest.MonkeyPatc
     solid = corners((0.4, 0.0), (1.0, 0.0), (0.7, 0.6), dimension=dimension)
     medium = Medium.build(grid, [PorousBody("beads", slope, BEADS)], [solid])
     water = [corners((0.0, 0.2), (2.3, 0.67), (2.3, 1.02), (0.0, 0.21), dimension=dimension)]
-    found = []
-    for size in (10**9, 1):
-        monkeypatch.setattr("houle.seeding.SLAB", size)
-        found.append(seed(grid, medium, water))
-    whole, slabs = found
-    assert np.array_equal(whole.position, slabs.position) and np.array_equal(whole.volume, slabs.volume)
+    assert_same_in_slabs(grid, medium, water, monkeypatch)
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -250,9 +254,4 @@ def test_slabs_make_no_difference_to_settled_water(dimension: int, monkeypatch: 
     upright = Box((0.93, *[-np.inf] * (dimension - 1)), (1.87, *[np.inf] * (dimension - 1)))
     medium = Medium.build(grid, [PorousBody("beads", upright, BEADS)])
     water = [corners((0.0, 0.2), (2.9, 0.67), (2.9, 1.02), (0.0, 0.21), dimension=dimension)]
-    found = []
-    for size in (10**9, 1):
-        monkeypatch.setattr("houle.seeding.SLAB", size)
-        found.append(seed(grid, medium, water))
-    whole, slabs = found
-    assert np.array_equal(whole.position, slabs.position) and np.array_equal(whole.volume, slabs.volume)
+    assert_same_in_slabs(grid, medium, water, monkeypatch)

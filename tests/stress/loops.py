@@ -42,10 +42,10 @@ def build(folder: Path, sanitizer: str | None = None) -> Path:
     program, threads = folder / f"loops-{sanitizer or 'plain'}", folder / "threads.o"
     checks = [f"-fsanitize={sanitizer}", "-g"] if sanitizer else []
     told = ["-fno-sanitize=thread", "-DHOULE_THREAD_SANITIZER"] if sanitizer == "thread" else []
-    library = onetbb() or []
+    library = onetbb() or ["-ltbb"]  # the system's
     command = [compiler() or "c++", "-O2", "-std=c++20", "-pthread", *checks]
     core = SOURCE.parents[2] / "core" / "threads.cpp"
-    subprocess.run([*command, *told, "-DHOULE_TBB", *library[:1], "-c", str(core), "-o", str(threads)], check=True)
+    subprocess.run([*command, *told, "-DHOULE_TBB", *library, "-c", str(core), "-o", str(threads)], check=True)
     subprocess.run([*command, str(SOURCE), str(threads), *library, "-o", str(program)], check=True)
     return program
 
