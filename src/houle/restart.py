@@ -106,9 +106,10 @@ def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[
         if (problem := problem_of(state, case)) is not None:
             return None, problem
         meta = checkpoint.meta
-        if not (meta["time"] == float(state["time"]) and meta["wall_seconds"] >= 0 and meta["cpu_seconds"] >= 0):
+        spent = [meta["wall_seconds"], meta["cpu_seconds"]]
+        spent += [seconds for name in ("operations", "stages") for seconds in meta[name].values()]
+        if meta["time"] != float(state["time"]) or not all(0 <= seconds < np.inf for seconds in spent):
             return None, "it does not agree with itself about the time"
-        {name: {k: float(v) for k, v in meta[name].items()} for name in ("operations", "stages")}
         simulation = Simulation(case, threads)
         simulation.restore(state)
         known = simulation.state()

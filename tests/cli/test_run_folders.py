@@ -100,6 +100,9 @@ ABSURD = {
     "letters": lambda state, meta: state.update(position=np.full(state["position"].shape, b"x")),
     "more water than room": lambda state, meta: state.update(volume=1e3 * state["volume"]),
     "a clock without wall time": lambda state, meta: meta.pop("wall_seconds"),
+    "a clock that never ends": lambda state, meta: meta.update(wall_seconds=float("inf")),
+    "an operation that takes no number of seconds": lambda state, meta: meta["operations"].update(forces=float("nan")),
+    "a stage with letters for seconds": lambda state, meta: meta["stages"].update(writing="3"),
     "another case": lambda state, meta: meta.update(case_hash="0"),
     "a sample without a gauge": lambda state, meta: state.pop("recorder.0.sample.eta"),
     "an earlier sample": lambda state, meta: state.update({"recorder.0.time": np.float64(9.0)}),
@@ -115,6 +118,13 @@ def test_an_absurd_checkpoint_is_passed_over(half, capsys, what):
     run = houle.resume(folder, progress=True)
     assert "passed over" in capsys.readouterr().err
     assert_same(whole, run)
+
+
+def test_a_folder_by_the_name_of_a_checkpoint_is_left_alone(half):
+    folder, whole = half
+    (folder / "checkpoint-1.h5").mkdir()
+    assert_same(whole, houle.resume(folder))
+    assert (folder / "checkpoint-1.h5").is_dir()
 
 
 def test_a_checkpoint_that_asks_for_more_memory_than_it_fills_is_damaged(half):

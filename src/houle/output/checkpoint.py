@@ -129,5 +129,7 @@ def _prune(directory: Path, step: int) -> None:
         files = checkpoints(directory)
         current = [path for path in files if (_step(path) or 0) <= step]
         for path in set(files) - set(current[:KEPT]):
+            if path.is_dir():  # not ours
+                continue
             with contextlib.suppress(FileNotFoundError):
                 path.unlink()
