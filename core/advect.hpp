@@ -41,25 +41,27 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& poros
   parallel_for(n, [=](index p) {
     double from[D], at[D];
     for (int a = 0; a < D; ++a) from[a] = at[a] = x[D * p + a];
-    const auto go = [&](double time) {
-      Stencil<LinearKernel, D> st;
-      st.set(g, at);
-      if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
-      std::array<double, D> v;
-      const auto take = [&](const Beside<LinearKernel, D>& beside) { v = beside.gather(u); };
-      if (!beside_interface<LinearKernel, D>(g, stride, media, at, 0.0, take))
-        each_of<D>([&](auto a) { v[a] = st.template gather<a>(stride[a], u[a]); });
-      for (int a = 0; a < D; ++a) at[a] = from[a] + time * v[a];
-      keep_inside(g, obstacles, from, at);
-    };
+    int stage = 0;
     if (own) {
       const double time = porosity ? 0.5 * dt * bulk[p] / volume[p] : 0.5 * dt;
       for (int a = 0; a < D; ++a) at[a] = from[a] + time * own[D * p + a];
       keep_inside(g, obstacles, from, at);
-    } else {
-      go(0.5 * dt);
+      stage = 1;
     }
-    go(dt);
+    for (; stage < 2; ++stage) {
+      double time = stage == 0 ? 0.5 * dt : dt;
+      Stencil<LinearKernel, D> st;
+      st.set(g, at);
+      if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
+      std::array<double, D> v, own_side;
+      const auto take = [u, out = &own_side](const Beside<LinearKernel, D>& beside) { *out = beside.gather(u); };
+      if (beside_interface<LinearKernel, D>(g, stride, media, st, at, 0.0, take))
+        v = own_side;
+      else
+        each_of<D>([&](auto a) { v[a] = st.template gather<a>(stride[a], u[a]); });
+      for (int a = 0; a < D; ++a) at[a] = from[a] + time * v[a];
+      keep_inside(g, obstacles, from, at);
+    }
     for (int a = 0; a < D; ++a) x[D * p + a] = at[a];
   });
 }

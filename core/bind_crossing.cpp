@@ -50,21 +50,23 @@ static void bind_crossing(nb::module_& m) {
   define(
       m, "carry",
       [](G g, FaceNumbers number, Given table, ListedField one, ListedField uniform, GivenMasks held,
-         ListedField coefficient, double dt, Given x, Given volume, Given bulk, Array<const float> inertia,
-         Given before, Field u, OptionalListed lag) {
+         ListedField porosity, ListedField coefficient, double dt, Given x, Given volume, Field bulk,
+         Array<float> inertia, Field u, OptionalListed lag, OptionalGiven ago, OptionalInterfaces interfaces) {
         const auto at = points<D>(x, "position");
-        const auto medium = crossing_of<D>(g, number, table, one, uniform, &held);
-        const Listed C = listed_of(g, coefficient, "coefficient"), behind = listed_of(g, lag, "lag");
-        const double *v = entries(volume, at.n, "volume"), *b = entries(bulk, at.n, "bulk"),
-                     *s2 = entries(before, at.n * D, "before");
-        const float* J = entries(inertia, at.n * D, "inertia");
-        double* uu = entries(u, at.n * D, "u");
+        const auto medium = crossing_of<D>(g, number, table, one, uniform, &held, interfaces);
+        const Listed pores = listed_of(g, porosity, "porosity"), C = listed_of(g, coefficient, "coefficient");
+        const Listed behind = listed_of(g, lag, "lag");
+        const double *v = entries(volume, at.n, "volume"), *share = entries(ago, at.n, "ago");
+        if (static_cast<bool>(behind) != (share != nullptr)) refuse("lag and ago go together");
+        double *b = entries(bulk, at.n, "bulk"), *uu = entries(u, at.n * D, "u");
+        float* J = entries(inertia, at.n * D, "inertia");
         nb::gil_scoped_release release;
-        carry<D>(g, at.n, medium, C, behind, dt, at.data, v, b, J, s2, uu);
+        carry<D>(g, at.n, medium, pores, C, behind, share, dt, at.data, v, b, J, uu);
       },
-      "grid"_a, "number"_a, "table"_a, "one"_a, "uniform"_a, "held"_a, "coefficient"_a, "dt"_a, "position"_a,
-      "volume"_a, "bulk"_a, "inertia"_a, "before"_a, "u"_a, "lag"_a = nb::none(),
-      "Velocities of particles that nothing holds, with the energy they had.");
+      "grid"_a, "number"_a, "table"_a, "one"_a, "uniform"_a, "held"_a, "porosity"_a, "coefficient"_a, "dt"_a,
+      "position"_a, "volume"_a, "bulk"_a, "inertia"_a, "u"_a, "lag"_a = nb::none(), "ago"_a = nb::none(),
+      "interfaces"_a = nb::none(),
+      "The medium where particles have moved to, and the energy they had where nothing holds them.");
   define(
       m, "fall_behind",
       [](G g, FaceNumbers number, Given table, ListedField one, ListedField uniform, GivenMasks held, ListedField lag,
@@ -119,18 +121,6 @@ static void bind_crossing(nb::module_& m) {
 }
 
 void bind_crossing(nb::module_& m) {
-  define(
-      m, "energy_factor",
-      [](Given volume, Given bulk, Array<const float> inertia, Field factor) {
-        const auto v = factor.view("factor");
-        with_dimension(v, "factor", [&](auto d, index n) {
-          const double *V = entries(volume, n, "volume"), *b = entries(bulk, n, "bulk");
-          const float* J = entries(inertia, n * d, "inertia");
-          nb::gil_scoped_release release;
-          energy_factor<d>(n, V, b, J, v.data);
-        });
-      },
-      "volume"_a, "bulk"_a, "inertia"_a, "factor"_a, "s^2 = C_r/n^2 of the particles along each axis (N, d).");
   bind_crossing<2>(m);
   bind_crossing<3>(m);
 }

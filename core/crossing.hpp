@@ -32,7 +32,7 @@ inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
   const auto own = [&](const Beside<LinearKernel, D>& beside) {
     beside.each([&](auto a, index f, double w, double, const auto&) { visit(a, f, w); });
   };
-  if (!beside_interface<LinearKernel, D>(g, stride, media, x, 0.0, own))
+  if (!beside_interface<LinearKernel, D>(g, stride, media, st, x, 0.0, own))
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
 }
 
@@ -47,26 +47,34 @@ HOULE_NOINLINE inline void sample_inertia(const Grid<D>& g, const Crossing<D>& m
   for (int a = 0; a < D; ++a) inertia[a] = static_cast<float>(sum[a]);
 }
 
-// The medium at the particles: bulk volume V/n with the porosity linear from the cells, and J (n, D).
+// The medium at a particle of volume V at x, in that cell: V/n with the porosity linear from the cells, and J (D).
+template <int D>
+inline double sample_medium(const Grid<D>& g, const Crossing<D>& medium, const Listed& porosity,
+                            const Stencil<LinearKernel, D>& st, index cell, const double* x, double volume,
+                            float* inertia) {
+  if (const double one = medium.inertia[cell]; one > 0.0)
+    std::fill_n(inertia, D, static_cast<float>(one));
+  else
+    sample_inertia(g, medium, st, x, inertia);
+  return medium.uniform[cell] > 0.0 ? volume / porosity[cell]
+                                    : volume / st.template gather<-1>(Grid<D>::strides(g.shape), porosity);
+}
+
+// The same at all particles: bulk (n,), inertia (n, D).
 template <int D>
 inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
                           const double* volume, double* bulk, float* inertia) {
-  const auto cells = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
-    const index cell = place_of<D>(g, x + D * p).cell;
-    float* J = inertia + D * p;
+    const double* at = x + D * p;
+    const index cell = place_of<D>(g, at).cell;
     if (const double one = medium.uniform[cell]; one > 0.0) {
       bulk[p] = volume[p] / porosity[cell];
-      std::fill_n(J, D, static_cast<float>(one));
+      std::fill_n(inertia + D * p, D, static_cast<float>(one));
       return;
     }
     Stencil<LinearKernel, D> st;
-    st.set(g, x + D * p);
-    bulk[p] = volume[p] / st.template gather<-1>(cells, porosity);
-    if (const double one = medium.inertia[cell]; one > 0.0)
-      std::fill_n(J, D, static_cast<float>(one));
-    else
-      sample_inertia(g, medium, st, x + D * p, J);
+    st.set(g, at);
+    bulk[p] = sample_medium(g, medium, porosity, st, cell, at, volume[p], inertia + D * p);
   });
 }
 
@@ -107,69 +115,81 @@ inline double held_share(const Stencil<LinearKernel, D>& st, const std::array<st
   return share;
 }
 
-// s^2 (n, D) of particles, from V/n and the inertia that sample_medium() gives.
+// Turns the velocity u (D) of a particle with that stencil as C_r changes on its way. coefficient (cells): C_r;
+// factor (D): s^2; way: dt / (2 n).
 template <int D>
-inline void energy_factor(index n, const double* volume, const double* bulk, const float* inertia, double* factor) {
-  parallel_for(n, [=](index p) {
-    for (int a = 0; a < D; ++a) factor[D * p + a] = inertia[D * p + a] * (bulk[p] / volume[p]);
+inline void turn(const Grid<D>& g, const Stencil<LinearKernel, D>& st, const Listed& coefficient, double way,
+                 const double* factor, double* u) {
+  const auto cells = Grid<D>::strides(g.shape);
+  double C = 0.0, slope[3] = {}, one = 0.0;
+  bool same = true;
+  st.template each<-1>(cells, [&](index c, double, double, const auto&) {
+    one = one > 0.0 ? one : coefficient[c];
+    same &= coefficient[c] == one;
   });
+  if (same) return;
+  st.template each<-1>(cells, [&](index c, double weight, double, const std::array<int, D>& k) {
+    C += weight * coefficient[c];
+    for (int a = 0; a < D; ++a)
+      if (st.centre[a].weight[k[a]] > 0.0)
+        slope[a] += (k[a] ? 1.0 : -1.0) * weight / st.centre[a].weight[k[a]] * coefficient[c] / g.h[a];
+  });
+  const double rate = way / C;  // dw/dt = rate (slope (w.u) - u (w.slope)) / dt, w = s u
+  double v[3] = {}, w[3] = {}, s[3], axis[3], half[3];
+  for (int a = 0; a < D; ++a) s[a] = std::sqrt(factor[a]), v[a] = u[a], w[a] = s[a] * u[a];
+  const auto cross = [](const double* p, const double* q, int a) {
+    return p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3];
+  };
+  for (int a = 0; a < 3; ++a) axis[a] = rate * cross(v, slope, a);
+  const double size = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
+  for (int a = 0; a < 3; ++a) half[a] = w[a] + 0.5 * cross(axis, w, a);  // Boris (1970): a rotation to round-off
+  for (int a = 0; a < D; ++a) u[a] = (w[a] + cross(axis, half, a) / (1.0 + 0.25 * size)) / s[a];
 }
 
-// After particles have moved: where nothing holds them they keep s u_d; before (n, D): s^2 where they were. And where
-// C_r changes the velocity turns: C_r u along an interface is kept, which is a rotation of s u_d at the rate u x grad
-// C_r / (2 C_r), exact in energy. coefficient (cells): C_r; n is volume / bulk; dt: of the motion. Where the convective
-// acceleration has a coefficient K of its own, coefficient is K, lag (cells) 1 - K/C_r, else null: there K stands for
-// C_r in s and in what turns, and `before` has it too.
+// A particle that has moved to x in that cell; the rest as in carry() below.
 template <int D>
-inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& coefficient, const Listed& lag,
-                  double dt, const double* x, const double* volume, const double* bulk, const float* inertia,
-                  const double* before, double* u) {
+HOULE_NOINLINE inline void carry_one(const Grid<D>& g, const Crossing<D>& medium, const Listed& porosity,
+                                     const Listed& coefficient, const Listed& lag, double ago, double dt, index cell,
+                                     const double* x, double volume, double& bulk, float* inertia, double* u) {
   const auto stride = face_strides(g);
-  const auto cells = Grid<D>::strides(g.shape);
+  Stencil<LinearKernel, D> st;
+  st.set(g, x);
+  double before[D], now[D], ratio = 1.0, root = 1.0;
+  for (int a = 0; a < D; ++a) before[a] = inertia[a] * (bulk / volume) * ago;
+  bulk = sample_medium(g, medium, porosity, st, cell, x, volume, inertia);
+  const double along = lag ? 1.0 - st.template gather<-1>(Grid<D>::strides(g.shape), lag) : 1.0;
+  each_of<D>([&](auto a) {
+    now[a] = inertia[a] * (bulk / volume) * along;
+    if (now[a] == before[a]) return;
+    const double free = 1.0 - held_share<a, D>(st, stride, medium.held);
+    if (free < 1e-12) return;
+    if (const double change = before[a] / now[a]; change != ratio) ratio = change, root = std::sqrt(change);
+    u[a] *= free == 1.0 ? root : std::pow(ratio, 0.5 * free);
+  });
+  if (dt != 0.0) turn(g, st, coefficient, 0.5 * dt * (bulk / volume) * along, now, u);
+}
+
+// After particles have moved: bulk (n,) and inertia (n, D), on entry those where they were, are those where they are;
+// and where nothing holds them they keep s u_d. And where C_r changes the velocity turns: C_r u along an interface is
+// kept, which is a rotation of s u_d at the rate u x grad C_r / (2 C_r), exact in energy. coefficient (cells): C_r;
+// dt: of the motion, 0 if the particles have moved but not in time. Where the convective acceleration has a coefficient
+// K of its own, coefficient is K, lag (cells) 1 - K/C_r and ago (n,) K/C_r where the particles were, else both null:
+// there K stands for C_r in s and in what turns.
+template <int D>
+inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity,
+                  const Listed& coefficient, const Listed& lag, const double* ago, double dt, const double* x,
+                  const double* volume, double* bulk, float* inertia, double* u) {
   parallel_for(n, [=](index p) {
-    Stencil<LinearKernel, D> st;
-    if (lag) st.set(g, x + D * p);
-    const double along = lag ? 1.0 - st.template gather<-1>(cells, lag) : 1.0;
-    double now[D], w[D], root[D], slope[D] = {}, C = 0.0;
-    bool same = true;
-    for (int a = 0; a < D; ++a) {
-      now[a] = inertia[D * p + a] * (bulk[p] / volume[p]) * along;
-      same &= now[a] == before[D * p + a];
+    const double* at = x + D * p;
+    const index cell = place_of<D>(g, at).cell;
+    float* J = inertia + D * p;
+    if (const double one = medium.uniform[cell]; one > 0.0 && !ago) {
+      bool same = bulk[p] == volume[p] / porosity[cell];
+      for (int a = 0; a < D; ++a) same &= J[a] == static_cast<float>(one);
+      if (same) return;
     }
-    if (same && (dt == 0.0 || medium.uniform[place_of<D>(g, x + D * p).cell] > 0.0)) return;
-    if (!lag) st.set(g, x + D * p);
-    each_of<D>([&](auto a) {
-      const double left = 1.0 - held_share<a, D>(st, stride, medium.held);
-      root[a] = std::sqrt(now[a]);
-      if (left > 1e-12) u[D * p + a] *= std::pow(before[D * p + a] / now[a], 0.5 * left);
-      w[a] = root[a] * u[D * p + a];
-    });
-    if (dt == 0.0) return;  // moved, but not in time: nothing turns
-    st.template each<-1>(cells, [&](index c, double weight, double, const std::array<int, D>& k) {
-      C += weight * coefficient[c];
-      for (int a = 0; a < D; ++a)
-        if (st.centre[a].weight[k[a]] > 0.0)
-          slope[a] += (k[a] ? 1.0 : -1.0) * weight / st.centre[a].weight[k[a]] * coefficient[c] / g.h[a];
-    });
-    const double rate = 0.5 * dt * bulk[p] / (volume[p] * C) * along;  // dw/dt = rate (slope (w.u) - u (w.slope)) / dt
-    double turn[3] = {}, v[3] = {}, first[3] = {};
-    for (int a = 0; a < D; ++a) v[a] = w[a];
-    const auto at = [&](int a) { return a < D ? u[D * p + a] : 0.0; };
-    const auto to = [&](int a) { return a < D ? slope[a] : 0.0; };
-    for (int a = 0; a < 3; ++a) {
-      const int b = (a + 1) % 3, c = (a + 2) % 3;
-      turn[a] = rate * (at(b) * to(c) - at(c) * to(b));
-    }
-    const double size = turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2];
-    if (size == 0.0) return;
-    for (int a = 0; a < 3; ++a) {  // Boris (1970): a rotation to round-off
-      const int b = (a + 1) % 3, c = (a + 2) % 3;
-      first[a] = v[a] + 0.5 * (turn[b] * v[c] - turn[c] * v[b]);
-    }
-    for (int a = 0; a < D; ++a) {
-      const int b = (a + 1) % 3, c = (a + 2) % 3;
-      u[D * p + a] = (v[a] + (turn[b] * first[c] - turn[c] * first[b]) / (1.0 + 0.25 * size)) / root[a];
-    }
+    carry_one(g, medium, porosity, coefficient, lag, ago ? ago[p] : 1.0, dt, cell, at, volume[p], bulk[p], J,
+              u + D * p);
   });
 }
 

@@ -46,11 +46,10 @@ struct Interfaces {
   double spacing = 0;                 // of the cells along the first axis [m]
   ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
 
-  // What a particle at x has to know of, which sees faces by the kernel K.
+  // What a particle in that cell has to know of, which sees faces by the kernel K.
   template <class K>
-  const Interface<D>* near(const Grid<D>& g, const double* x) const {
-    if (!number) return nullptr;
-    const std::int32_t k = (std::is_same_v<K, LinearKernel> ? close : number)[place_of<D>(g, x).cell];
+  const Interface<D>* near(index cell) const {
+    const std::int32_t k = (std::is_same_v<K, LinearKernel> ? close : number)[cell];
     return k < 0 ? nullptr : list + k;
   }
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
@@ -60,17 +59,32 @@ struct Interfaces {
     return (std::floor((static_cast<double>(f) + 0.5) * slices[a]) + 0.5) * spacing >= at.offset ? side == behind_gate
                                                                                                  : side == before_gate;
   }
-  // weight (count): on entry those of the linear kernel for these faces of axis a, on return those with which a
-  // particle at x beside that interface sees them.
-  void own(int a, const Interface<D>& at, const double* x, int count, const index* face, double* weight) const {
-    if (at.across(a)) return;
-    const double side = at.side(x);
-    double sum = 0.0;
-    for (int k = 0; k < count; ++k) sum += is_own(at, a, face[k], side) ? weight[k] : 0.0;
-    if (!(sum > LinearKernel::least_own)) return;
-    for (int k = 0; k < count; ++k) weight[k] = is_own(at, a, face[k], side) ? weight[k] / sum : 0.0;
-  }
 };
+
+// What is passed to the two functions below that are not inlined is copied: the loops around them, in which few
+// particles are beside an interface, keep what they have in registers.
+
+// The weights of the linear kernel for these faces of axis a, as a particle at x beside that interface sees them.
+template <int D, std::size_t count>
+HOULE_NOINLINE inline std::array<double, count> own_weights(const Interfaces<D> media, int a, const Interface<D>* at,
+                                                            const std::array<double, D> x,
+                                                            const std::array<index, count> face,
+                                                            std::array<double, count> weight) {
+  if (at->across(a)) return weight;
+  const double side = at->side(x.data());
+  double sum = 0.0;
+  for (std::size_t k = 0; k < count; ++k) sum += media.is_own(*at, a, face[k], side) ? weight[k] : 0.0;
+  if (!(sum > LinearKernel::least_own)) return weight;
+  for (std::size_t k = 0; k < count; ++k) weight[k] = media.is_own(*at, a, face[k], side) ? weight[k] / sum : 0.0;
+  return weight;
+}
+
+template <int D>
+inline std::array<double, D> point(const double* x) {
+  std::array<double, D> at;
+  std::copy_n(x, D, at.begin());
+  return at;
+}
 
 // A particle beside an interface: how it sees the faces.
 template <class K, int D>
@@ -128,22 +142,22 @@ class Beside {
 };
 
 template <class K, int D, class Body>
-HOULE_NOINLINE inline bool see_less(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
-                                    const Interfaces<D>& media, const Interface<D>& at, const double* x, double side,
-                                    const Body& body) {
-  const Beside<K, D> beside(g, stride, media, at, x, side);
+HOULE_NOINLINE inline bool see_less(const Grid<D> g, const std::array<std::array<index, D>, D> stride,
+                                    const Interfaces<D> media, const Interface<D>* at, const std::array<double, D> x,
+                                    double side, const Body body) {
+  const Beside<K, D> beside(g, stride, media, *at, x.data(), side);
   if (beside) body(beside);
   return static_cast<bool>(beside);
 }
 
-// Calls body(beside) and returns true where the particle at x sees less than all faces around it. Not inlined, and with
-// a stencil of its own: that of the many particles far from any interface stays in registers.
+// Calls body(beside) and returns true where the particle at x, with that stencil, sees less than all faces around it.
 template <class K, int D, class Body>
 [[gnu::always_inline]] inline bool beside_interface(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
-                                                    const Interfaces<D>& media, const double* x, double side,
-                                                    const Body& body) {
-  const Interface<D>* at = media.template near<K>(g, x);
-  return at && see_less<K, D>(g, stride, media, *at, x, side, body);
+                                                    const Interfaces<D>& media, const Stencil<K, D>& st,
+                                                    const double* x, double side, const Body& body) {
+  if (!media.number) return false;
+  const Interface<D>* at = media.template near<K>(cell_of(g, st, x));
+  return at && see_less<K, D>(g, stride, media, at, point<D>(x), side, body);
 }
 
 }  // namespace houle

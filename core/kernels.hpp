@@ -295,6 +295,15 @@ template <int D>
   return place;
 }
 
+// The cell of the particle at x, whose stencil this is.
+template <class K, int D>
+[[gnu::always_inline]] inline index cell_of(const Grid<D>& g, const Stencil<K, D>& st, const double* x) {
+  if constexpr (!std::is_same_v<K, LinearKernel>) return place_of<D>(g, x).cell;
+  index cell = 0;
+  for (int a = 0; a < D; ++a) cell = cell * g.shape[a] + std::min(st.face[a].node[0], g.shape[a] - 1);
+  return cell;
+}
+
 // Strides of the face fields of all axes.
 template <int D>
 inline std::array<std::array<index, D>, D> face_strides(const Grid<D>& g) {

@@ -115,6 +115,18 @@ class MassMatrix {
     store_ = wanted <= lent.size() ? lent.data() : own_.data();
   }
 
+  // The cell of a particle that reaches these nodes of the faces of axis a.
+  template <int a>
+  static index cell_of(const Grid<D>& g, const Reach<LinearKernel> (&reach)[D]) {
+    index cell = 0;
+    each_of<D>([&](auto b) {
+      const auto& r = reach[b];
+      const index i = b == a ? std::min(r.node[0], g.shape[b] - 1) : r.node[r.weight[1] < 0.5 ? 0 : 1];
+      cell = cell * g.shape[b] + i;
+    });
+    return cell;
+  }
+
   template <int a>
   void sum_particles(const Cloud<D>& cloud, const double* u) {
     const Grid<D> g = grid_;
@@ -145,8 +157,8 @@ class MassMatrix {
           stored = stored && reach[up].node[c & 1] < rows[row].height;
         });
         if (!stored) continue;
-        index node[corners], face[corners];
-        double weight[corners];
+        std::array<index, corners> node;
+        std::array<double, corners> weight;
         unrolled<corners>([&](auto c) {
           index row = 0;
           double w = 1.0;
@@ -156,11 +168,21 @@ class MassMatrix {
             if (b < up) row += reach[b].node[side] * stride[b];
           });
           node[c] = rows[row].first + reach[up].node[c & 1];
-          face[c] = row * line + reach[up].node[c & 1];
           weight[c] = w;
         });
-        if (const auto* at = media.template near<LinearKernel>(g, cloud.x + D * p))
-          media.own(a, *at, cloud.x + D * p, corners, face, weight);
+        if (media.number) {
+          if (const auto* at = media.template near<LinearKernel>(cell_of<a>(g, reach))) {
+            std::array<index, corners> face;
+            unrolled<corners>([&](auto c) {
+              index row = 0;
+              each_of<D>([&](auto b) {
+                if (b < up) row += reach[b].node[(c >> (up - b)) & 1] * stride[b];
+              });
+              face[c] = row * line + reach[up].node[c & 1];
+            });
+            weight = own_weights<D, corners>(media, a, at, point<D>(cloud.x + D * p), face, weight);
+          }
+        }
         const double m = cloud.mass[p], mu = m * u[D * p + a];
         unrolled<corners>([&](auto c) {
           double* at = store + node[c];

@@ -209,12 +209,12 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      const auto give = [&, p](const Beside<K, D>& beside) {
+      const auto give = [=](const Beside<K, D>& beside) {
         give_beside(g, beside, cloud.mass[p], u + D * p, affine ? affine + D * D * p : nullptr, mass, velocity);
       };
-      if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), give)) continue;
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
+      if (beside_interface<K, D>(g, stride, cloud.media, st, cloud.x + D * p, cloud.edge(p), give)) continue;
       each_of<D>([&](auto a) {
         double *m = mass[a], *v = velocity[a];
         const double up = u[D * p + a], scale = cloud.mass[p] / st.template total<a>();
@@ -258,16 +258,16 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      const auto give = [&, p](const Beside<K, D>& beside) {
+      const auto give = [=](const Beside<K, D>& beside) {
         const auto seen = beside.gather(velocity);
         const double m = cloud.mass[p];
         beside.each([&](auto a, index f, double w, double sign, const auto&) {
           work[a][f] += w * sign * m * (u[D * p + a] - seen[a]);
         });
       };
-      if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), give)) continue;
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
+      if (beside_interface<K, D>(g, stride, cloud.media, st, cloud.x + D * p, cloud.edge(p), give)) continue;
       each_of<D>([&](auto a) {
         double* r = work[a];
         const double lacking = u[D * p + a] - st.template gather<a>(stride[a], velocity[a]);
@@ -292,7 +292,7 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
                          ConstFaces<D> drag, double flip, double* u) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
-    const auto take = [&, p](const Beside<K, D>& beside) {
+    const auto take = [=](const Beside<K, D>& beside) {
       const auto value = beside.gather(now);
       std::array<double, D> kept{};  // of the old velocity, where the implicit resistance has scaled it
       if (flip > 0.0) {
@@ -302,9 +302,9 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
       }
       for (int a = 0; a < D; ++a) u[D * p + a] = flip * kept[a] + (1.0 - flip) * value[a];
     };
-    if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), take)) return;
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
+    if (beside_interface<K, D>(g, stride, cloud.media, st, cloud.x + D * p, cloud.edge(p), take)) return;
     each_of<D>([&](auto a) {
       double& up = u[D * p + a];
       const double value = st.template gather<a>(stride[a], now[a]);
@@ -377,10 +377,10 @@ template <class K, int D>
 inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
-    const auto take = [&, p](const Beside<K, D>& beside) { affine_beside(g, beside, velocity, affine + D * D * p); };
-    if (beside_interface<K, D>(g, stride, cloud.media, cloud.x + D * p, cloud.edge(p), take)) return;
+    const auto take = [=](const Beside<K, D>& beside) { affine_beside(g, beside, velocity, affine + D * D * p); };
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
+    if (beside_interface<K, D>(g, stride, cloud.media, st, cloud.x + D * p, cloud.edge(p), take)) return;
     each_of<D>([&](auto a) {
       double first[D] = {}, second[D] = {};
       st.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {

@@ -250,6 +250,20 @@ class Flow:
             pores = self.medium.listed("particle_porosity")
             particles = (p.position, p.volume, self._bulk, self.inertia)
             _core.sample_medium(core, *self.crossing, pores, *particles, self.medium.interfaces)
+        self._find_sides()
+
+    def carry(self, dt: float, ago: FloatArray | None) -> None:
+        """The same after a motion of dt [s]; and particles that nothing holds keep the energy that they had.
+
+        ago: (N,) K/C_r where they were; None where it is 1 everywhere.
+        """
+        p, m = self.particles, self.medium
+        medium = (*self.crossing, self.held, m.listed("particle_porosity"), m.listed("coefficient"))
+        state = (p.position, p.volume, self._bulk, self.inertia, p.velocity)
+        _core.carry(self.grid.core, *medium, dt, *state, self.lag, ago, m.interfaces)
+        self._find_sides()
+
+    def _find_sides(self) -> None:
         if self.kernel.startswith("gaussian"):
             self.side = self.bulk ** (1.0 / self.grid.dimension)
 

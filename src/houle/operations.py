@@ -233,12 +233,12 @@ def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:
     or a face beside that has a pressure: u_d carried from clear water into pores would be many times that.
     """
     for axis, ((where, around, inertia, others), before) in enumerate(zip(flow.edges, own, strict=True)):
-        u, known = flow.velocity[axis].ravel(), flow.work.valid[axis].ravel() == 1
-        carried = ~known[where]
+        u, valid = flow.velocity[axis].ravel(), flow.work.valid[axis].ravel()
+        carried = valid[where] != 1
         if not carried.any():
             continue
         face, near, J = where[carried], around[carried], inertia[carried]
-        beside = np.where(known[near], others[carried] * u[near] ** 2, 0.0).max(axis=1, initial=0.0)
+        beside = np.where(valid[near] == 1, others[carried] * u[near] ** 2, 0.0).max(axis=1, initial=0.0)
         most = np.sqrt(np.maximum(beside, J * before[carried] ** 2) / J)
         u[face] = np.clip(u[face], -most, most)
 
@@ -281,34 +281,28 @@ def settle(flow: Flow, transfer: Transfer) -> None:
 
 
 @contextmanager
-def _crossing(flow: Flow, dt: float, behind: float, spare: FloatArray | None = None) -> Iterator[None]:
+def _crossing(flow: Flow, dt: float, behind: float) -> Iterator[None]:
     """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
-    and turn as C_r changes. behind: time [s] in which momentum falls behind where added mass is on the rate alone;
-    spare (N, d): a place that the motion leaves alone, that of the work space if None.
+    and turn as C_r changes. behind: time [s] in which momentum falls behind where added mass is on the rate alone.
     """
     if not flow.porous:
         yield
         return
-    p, before = flow.particles, flow.work.spare if spare is None else spare
-    _core.energy_factor(p.volume, flow.bulk, flow.inertia, before)
-    _use_convective(flow, before)
+    ago = _convective_share(flow)
     change = _fall_behind(flow, behind) if flow.lag and behind > 0.0 else None
     yield
     if change is not None:
-        p.velocity += change
-    flow.sample_medium()
-    medium = (*flow.crossing, flow.held, flow.medium.listed("coefficient"))
-    state = (p.position, p.volume, flow.bulk, flow.inertia, before)
-    _core.carry(flow.grid.core, *medium, dt, *state, p.velocity, flow.lag)
+        flow.particles.velocity += change
+    flow.carry(dt, ago)
 
 
-def _use_convective(flow: Flow, before: FloatArray) -> None:
-    """s^2 of the particles (N, d) with K instead of C_r."""
+def _convective_share(flow: Flow) -> FloatArray | None:
+    """K/C_r where the particles are (N,); None where it is 1 everywhere."""
     if flow.lag is None:
-        return
-    share, (number, lag) = np.empty(len(before)), flow.lag
+        return None
+    share, (number, lag) = np.empty(len(flow.particles)), flow.lag
     _core.gather_cells(flow.grid.core, flow.particles.position, lag[number], share)
-    before *= 1.0 - share[:, None]
+    return 1.0 - share
 
 
 def _fall_behind(flow: Flow, dt: float) -> FloatArray:
@@ -405,6 +399,6 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity, position = flow.listed("particle_porosity"), flow.particles.position
     before = _near_crests(flow, position)
-    with _crossing(flow, 0.0, 0.0, np.empty_like(position)):  # the displacement lies in the work space
+    with _crossing(flow, 0.0, 0.0):
         _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)
     _book_crossings(flow, before)

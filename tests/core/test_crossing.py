@@ -51,14 +51,12 @@ class Pores:
 
     def carry(self, to, dt, lag=None):
         """Velocities after particles have gone from x to there."""
-        bulk, inertia = self.sample(self.x)
-        before, u = np.zeros(self.x.shape), self.u.copy()
-        _core.energy_factor(self.volume, bulk, inertia, before)
-        if lag is not None:
-            before *= 1.0 - self.at(lag, self.x)[:, None]
-        bulk, inertia = self.sample(to)
-        state = (dt, to, self.volume, bulk, inertia, before, u)
-        _core.carry(self.grid.core, *self.medium, self.held, numbered(self.coefficient), *state, numbered(lag))
+        (bulk, inertia), u = self.sample(self.x), self.u.copy()
+        ago = None if lag is None else 1.0 - self.at(lag, self.x)
+        medium = (*self.medium, self.held, numbered(self.porosity), numbered(self.coefficient))
+        _core.carry(self.grid.core, *medium, dt, to, self.volume, bulk, inertia, u, numbered(lag), ago)
+        for now, there in zip((bulk, inertia), self.sample(to), strict=True):
+            np.testing.assert_array_equal(now, there)
         return u
 
     def at(self, cells, x):
