@@ -249,7 +249,7 @@ class Flow:
         if self.porous:
             pores = self.medium.listed("particle_porosity")
             particles = (p.position, p.volume, self._bulk, self.inertia)
-            _core.sample_medium(core, *self.crossing, pores, *particles, self.medium.interfaces)
+            _core.sample_medium(core, *self.crossing, pores, *particles, self.interfaces)
         self._find_sides()
 
     def carry(self, dt: float, ago: FloatArray | None) -> None:
@@ -260,7 +260,7 @@ class Flow:
         p, m = self.particles, self.medium
         medium = (*self.crossing, self.held, m.listed("particle_porosity"), m.listed("coefficient"))
         state = (p.position, p.volume, self._bulk, self.inertia, p.velocity)
-        _core.carry(self.grid.core, *medium, dt, *state, self.lag, ago, m.interfaces)
+        _core.carry(self.grid.core, *medium, dt, *state, self.lag, ago, self.interfaces)
         self._find_sides()
 
     def _find_sides(self) -> None:

@@ -277,7 +277,7 @@ def settle(flow: Flow, transfer: Transfer) -> None:
     if flow.porous:
         p, affine = flow.particles, transfer.arrays.get("affine")
         medium, state = (*flow.crossing, flow.held), (flow.velocity, p.position, p.velocity, affine)
-        _core.settle(flow.grid.core, *medium, *state, flow.medium.interfaces)
+        _core.settle(flow.grid.core, *medium, *state, flow.interfaces)
 
 
 @contextmanager
@@ -309,7 +309,7 @@ def _fall_behind(flow: Flow, dt: float) -> FloatArray:
     """Change of the velocities (N, d) as momentum moves with K/C_r of the velocity of the water."""
     medium = (*flow.crossing, flow.held, flow.lag, flow.listed("particle_porosity"))
     on_faces, change = flow.grid.faces(), np.empty_like(flow.particles.velocity)
-    _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.medium.interfaces)
+    _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.interfaces)
     interpolate(flow, on_faces, change)
     return change
 

@@ -187,6 +187,7 @@ class Simulation:
         count = max(1, math.ceil(remaining / largest - 1e-9))
         last, self.step_size = self.step_size, remaining / count
         if self._place_gates():
+            self.flow.sample_medium()  # of the faces that particles see beside the gate as it stands now
             find_surface(self.flow)
         self.flow.time = self.time
         self.flow.last_step = last
