@@ -144,7 +144,7 @@ def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | 
     """By how long [s] the level inside follows the one outside, (T,) each, evenly spaced.
 
     With a period: phase between the first harmonics, in (-T/2, T/2]. Without: highest cross-correlation of the two
-    less their means, a parabola between samples, within a quarter of the record; of peaks as high as each other, which a
+    less their means, a parabola between samples, within a quarter of the record; of peaks of one height, which a
     periodic level has one period apart, the one nearest to no lag. Raises AnalysisError.
     """
     t, a, b = (np.asarray(v, dtype=float) for v in (time, outside, inside))
