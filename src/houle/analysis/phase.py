@@ -72,7 +72,8 @@ def followed(
     amplitudes(omega, periods): first harmonics (periods, G) of whole periods from `start` on. Raises AnalysisError,
     with the period that fits, when the one given is too far off.
     """
-    given, notes, within = omega, [], record.between(start, end)
+    given, within = omega, record.between(start, end)
+    notes: list[str] = []
     if np.ptp(within.eta, axis=1).max() <= ROUND_OFF * np.abs(within.eta).max():
         return omega, notes  # still water
     _require_the_wave(within, given)
