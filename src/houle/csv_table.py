@@ -45,10 +45,13 @@ MISSING = {"", "nan", "-nan", "+nan", "nan(ind)", "-nan(ind)", "na", "n/a", "nul
            "+inf", "-", "--", "---", "*", "**", "***", "****", "*****", "?", "#n/a", "#na", "#nv", "#value!",
            "#div/0!", "#num!", "missing", "dry"}  # fmt: skip
 CODES = (99.9, 99.99, 999.0, 999.9, 999.99, 999.25, 9999.0, 9999.9, 9999.25, 9999.99, 99999.0, 99999.9, 999999.0,
-         32767.0, 32768.0)  # fmt: skip
+         32767.0, 32768.0, 65535.0)  # fmt: skip
 REMARKS = {"comment", "comments", "remark", "remarks", "bemerkung"}
 DATE = r"(?P<a>\d{1,4})(?P<mark>[-/.])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})"
-CLOCK = r"(?P<h>\d{1,2}):(?P<m>\d{2}(?:[.,]\d+)?)(?::(?P<s>\d{2}(?:[.,]\d+)?))?\s*(?P<half>[AaPp][Mm])?(?:Z|UTC)?"
+CLOCK = (
+    r"(?P<h>\d{1,2}):(?P<m>\d{2}(?:[.,]\d+)?)(?::(?P<s>\d{2}(?:[.,]\d+)?))?\s*"
+    r"(?P<half>[AaPp][Mm])?(?:Z|UTC|[-+]\d{2}:?\d{2})?"
+)
 STAMP = re.compile(rf"(?:{DATE})?(?:(?<=\d)[T ]+)?(?:{CLOCK})?", re.ASCII)
 TIME_NAMES = re.compile(
     r"(t|time|times|zeit|temps|tid|tijd|tiempo|tempo|x_value|elapsed.*|seconds?|date|datum|datetime|date.?time|timestamp"
@@ -105,7 +108,8 @@ def read_table(file: Path | str, name: str, error: type[HouleError]) -> Table:
     values[~np.isfinite(values)] = np.nan
     if form.stamps:
         values[:, 0] = np.round(values[:, 0] - values[0, 0], 9)  # s, of stamps of a nanosecond
-    names, units = form.names or [""] * form.columns, form.units or [""] * form.columns
+    names = form.names or [""] * form.columns
+    units = form.units or _lvm_units(form) or [""] * form.columns
     if form.stamps == 2:
         names, units = ["time", *names[2:]], ["", *units[2:]]
     where = np.frombuffer(lines, dtype=np.int64)
@@ -373,6 +377,19 @@ def _name_columns(
         )
     else:
         form.names = names
+
+
+def _lvm_units(form: _Form) -> list[str]:
+    """Units of the columns that the header of a LabVIEW measurement tells, if all are lengths; else none."""
+    lines = (_trimmed(_cells(line, form.mark)) for line in form.above if line.startswith("Y_Unit_Label"))
+    told = next(lines, [])[1:]
+    levels = [i for i, name in enumerate(form.names) if not is_time(name)]
+    if not told or len(told) != len(levels) or not all(unit.lower() in LENGTHS for unit in told):
+        return []
+    units = [""] * form.columns
+    for i, unit in zip(levels, told, strict=True):
+        units[i] = unit
+    return units
 
 
 def _is_decimal(cell: str) -> bool:

@@ -91,9 +91,9 @@ def shortcomings(
     still    the value of rest, any if None          outside  what is taken where the file says nothing
     """
     first, last, low, high = (float(t) + known.start for t in (known.time[0], known.time[-1], 0.0, end))
-    has = f"has times from {first:g} to {last:g} s, the run takes {low:g} to {high:g} s of its clock"
+    has = f"has times from {first:.12g} to {last:.12g} s, the run takes {low:.12g} to {high:.12g} s of its clock"
     if first >= high or last <= low:
-        yield "error", f"{has}: they have nothing in common; start = {first:g} makes its first time t = 0 of the run"
+        yield "error", f"{has}: they have nothing in common; start = {first:.12g} makes its first time t = 0 of the run"
         return
     for beyond, where, at_end in (
         (first - low, f"before {first:g} s", False),

@@ -77,8 +77,9 @@ def _piston(case: Case, wave: Wave) -> str:
     """Stroke, height over stroke, where it moves, by which theory."""
     law, read, rest = law_of_piston(case, wave)
     low, high = law.reach
+    compared = f"H/stroke = {wave.height / (high - low):.3g}, " if high - low > 1e-9 else ""
     told = (
-        f"piston at x = {rest:g} m, stroke {high - low:.3g} m, H/stroke = {wave.height / (high - low):.3g}, moves from "
+        f"piston at x = {rest:g} m, stroke {high - low:.3g} m, {compared}moves from "
         f"{rest + low:.3g} to {rest + high:.3g} m; {law.theory}"
     )
     assert case.waves is not None and case.waves.piston is not None

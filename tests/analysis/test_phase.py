@@ -37,7 +37,7 @@ def test_a_rounded_period_is_followed(count, period):
         assert pytest.approx(0.025, rel=1e-6) == r.H_I
 
 
-@pytest.mark.parametrize("period", [1.30, 1.25, 1.4, 1.5, 2 * PERIOD, PERIOD / 2, 0.9])
+@pytest.mark.parametrize("period", [1.30, 1.25, 1.4, 1.5, 2 * PERIOD, PERIOD / 2, 0.9, 3 * PERIOD, PERIOD / 3])
 def test_a_wrong_period_is_refused_with_the_one_that_fits(period):
     with pytest.raises(AnalysisError, match=r"the period that fits is 1\.3[34]"):
         found(flumes.regular(GAUGES, TIME, PERIOD, PARTS), period)
@@ -130,3 +130,9 @@ def test_the_card_of_an_empty_flume_follows_too():
     assert np.isnan(card.set_down) and "0.102 m: neither 0 nor the depth" in str(card), "another zero is no surge"
     card = analysis.quality_card((time, x, eta), period=PERIOD, still_water=0.1, **given)
     assert card.set_down == pytest.approx(0.002, abs=1e-6)
+
+
+def test_still_water_above_the_bed_holds_no_wave():
+    """What is left of a level of 0.25 m after its mean is rounding: it gave a C_R of 2.6."""
+    with pytest.raises(AnalysisError, match="no incident wave"):
+        found(np.full((4, len(TIME)), DEPTH))

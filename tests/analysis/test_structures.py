@@ -199,5 +199,6 @@ def test_lag_of_the_phreatic_line():
     assert analysis.lag(time, inside, outside) == pytest.approx(-2.33, abs=0.01)
     a, b = np.cos(2 * np.pi * time / 7.0), 0.2 * np.cos(2 * np.pi * (time - 1.234) / 7.0)
     assert analysis.lag(time, a, b, period=7.0) == pytest.approx(1.234, abs=1e-10)
+    assert analysis.lag(time, a, b) == pytest.approx(1.234, abs=0.01)  # not one or two periods later
     with pytest.raises(AnalysisError, match="no common signal"):
         analysis.lag(time, outside, 0 * inside)

@@ -55,6 +55,11 @@ READ = {  # text, its encoding if not UTF-8: all of them hold the times T3 and t
     ),
     "clock over midnight": "clock\ta\tb\n23:59:59.99\t.1\t.2\n00:00:00.00\t.3\t.2\n00:00:00.01\t.4\t.5\n",
     "pm": "time,a,b\n12:00:00.00 PM,.1,.2\n12:00:00.01 PM,.3,.2\n12:00:00.02 PM,.4,.5\n",
+    "time of a zone": "time,a,b\n2024-03-01T12:00:00.00+01:00,.1,.2\n2024-03-01T12:00:00.01+01:00,.3,.2\n"
+    "2024-03-01T12:00:00.02+01:00,.4,.5\n",
+    "units of LabVIEW": "LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\nChannels\t2\t\n"
+    "Y_Unit_Label\tmm\tcm\t\n***End_of_Header***\t\t\t\nX_Value\tW1\tW2\tComment\n"
+    "0\t100\t20\t\n0.01\t300\t20\t\n0.02\t400\t50\t\n",
     "times last": "a,b,t [ms]\n.1,.2,0\n.3,.2,10\n.4,.5,20\n",
     "a count": "No.;Time / s;a / mm;b / mm\n1;0;100;200\n2;0,01;300;200\n3;0,02;400;500\n",
     "units in names": "t(ms),a_cm,b (m)\n0,10,.2\n10,30,.2\n20,40,.5\n",
@@ -125,6 +130,9 @@ def test_places_have_units(tmp_path):
     file.write_text("t,x=100cm [mm],x=2 m [mm]\n0,1,2\n1,1,2\n2,1,2\n")
     data = analysis.read_csv(file)
     assert data.gauge_x.values.tolist() == [1.0, 2.0] and data.eta.values[0, 0] == 1e-3
+    file.write_text("t;x=1,5 [mm];x=2,25 [mm]\n0;1,5;2\n1;1;2\n2;1;2\n")
+    data = analysis.read_csv(file)
+    assert data.gauge_x.values.tolist() == [1.5, 2.25] and data.eta.values[0, 0] == 1.5e-3
     file.write_text("t,x=1000mm,x=2000mm\n0,1,2\n1,1,2\n2,1,2\n")
     with pytest.raises(AnalysisError, match="is mm the unit of the place or of the levels"):
         analysis.read_csv(file)
@@ -144,7 +152,7 @@ def test_units_in_names():
 def test_codes_for_missing_values(tmp_path):
     """A code lies away from all levels; a level that happens to be written like one does not."""
     level = 0.25 + 0.02 * np.sin(np.arange(50.0))
-    for code in (-9999.0, 9999.0, 99.99, -999.25, 999.9, 1e30, -32768.0, 9.96921e36):
+    for code in (-9999.0, 9999.0, 99.99, -999.25, 999.9, 1e30, -32768.0, 65535.0, 9.96921e36):
         spoiled = level.copy()
         spoiled[[7, 8]] = code
         assert np.flatnonzero(missing_codes(spoiled)).tolist() == [7, 8]

@@ -247,6 +247,12 @@ def test_a_focus_that_the_maker_cannot_reach_is_refused_with_the_earliest_time_t
     assert of_focus(focused(wave, maker, x, told)) == []
 
 
+def test_a_wave_that_the_run_does_not_wait_for_leaves_the_piston_at_rest():
+    """Its front has not left the maker when the run ends: no stroke to compare the height with."""
+    case = focused({**CREST, "depth": 0.25, "height": 0.04}, "piston", 7.0, 20.0)
+    assert "H/stroke" not in dict(wave_report.wave_rows(case))["made by"]
+
+
 @pytest.mark.parametrize("maker", ALL)
 def test_a_focus_outside_the_tank_or_the_run_or_behind_the_maker_is_refused(maker):
     inside = 2.0 if maker == "left" else 7.0

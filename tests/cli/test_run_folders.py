@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -17,6 +18,8 @@ from houle import runner
 from houle.errors import CaseError, HouleError
 from houle.output import checkpoints, load_newest, save_checkpoint
 from houle.output.checkpoint import load
+from houle.output.fields import read_fields
+from houle.output.manifest import read_manifest
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import fake_simulation
@@ -35,6 +38,17 @@ def fake(monkeypatch, tmp_path):
 def half(fake):
     """A run that stopped half-way, and the whole one."""
     return houle.run(fake, until=0.25).directory, houle.run(fake)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX")
+def test_a_pipe_in_a_run_folder_is_not_waited_for(tmp_path):
+    """It was read until somebody wrote into it."""
+    for name in ("checkpoint-3.h5", "run.json", "fields.vtkhdf"):
+        os.mkfifo(tmp_path / name)
+    assert load(tmp_path / "checkpoint-3.h5") is None
+    for read in (read_manifest, read_fields):
+        with pytest.raises(HouleError, match="a device or a pipe"):
+            read(tmp_path)
 
 
 HARMS = {

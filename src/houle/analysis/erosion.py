@@ -23,6 +23,7 @@ from houle.waves.dispersion import GRAVITY
 
 Real = NDArray[np.float64]
 KARMAN = 0.40
+ALIKE = 0.01  # peaks of a correlation that differ by less are as high as each other
 
 
 def critical_gradient(porosity: float, relative_density: float = 2.65) -> float:
@@ -143,7 +144,8 @@ def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | 
     """By how long [s] the level inside follows the one outside, (T,) each, evenly spaced.
 
     With a period: phase between the first harmonics, in (-T/2, T/2]. Without: highest cross-correlation of the two
-    less their means, a parabola between samples, within a quarter of the record. Raises AnalysisError.
+    less their means, a parabola between samples, within a quarter of the record; of peaks of one height, which a
+    periodic level has one period apart, the one nearest to no lag. Raises AnalysisError.
     """
     t, a, b = (np.asarray(v, dtype=float) for v in (time, outside, inside))
     if not (t.shape == a.shape == b.shape and np.all(np.isfinite(a)) and np.all(np.isfinite(b))):
@@ -154,11 +156,19 @@ def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | 
         return float(np.angle(F[1] / F[0]) / omega)
     step, reach = (t[-1] - t[0]) / (len(t) - 1), len(t) // 4
     match = np.array([_correlation(a, b, shift) for shift in range(-reach, reach + 1)])
-    best = int(np.argmax(match))
+    best = _first_peak(match)
     if not 0 < best < 2 * reach or not match[best] > 0:
         raise AnalysisError("the two levels have no common signal within a quarter of the record: give the period")
     left, top, right = match[best - 1 : best + 2]
     return float(step * (best - reach + 0.5 * (left - right) / (left - 2 * top + right)))
+
+
+def _first_peak(match: Real) -> int:
+    """Of the peaks of a correlation, its middle no lag, that within `ALIKE` of the highest which is nearest to it."""
+    highest = match.max()
+    peaks = [i for i in range(1, len(match) - 1) if match[i - 1] < match[i] >= match[i + 1]]
+    peaks = [i for i in peaks if match[i] >= (1.0 - ALIKE) * highest]
+    return min(peaks, key=lambda i: abs(i - len(match) // 2)) if highest > 0 and peaks else int(np.argmax(match))
 
 
 def _correlation(a: Real, b: Real, shift: int) -> float:

@@ -153,7 +153,7 @@ def estimate(of: Callable[[list[int], str], Pieces], x: NDArray[Any], k: float, 
     """Coefficients and half widths; of(gauges, method) gives the pieces of energy that these gauges see."""
     pieces = of(list(range(len(x))), task.method)
     energy = pieces.energy(pieces.values)
-    if not energy[0] > 0:
+    if not energy[0] > (phase.ROUND_OFF * np.abs(task.front.eta).max()) ** 2:
         raise AnalysisError("there is no incident wave at this period and direction: check period, window and towards")
     error = bootstrap(lambda values: coefficients(pieces.energy(values)), pieces.values, task.seed)
     covers = f"change between {len(pieces.values)} {pieces.unit} (moving-block bootstrap)"

@@ -18,11 +18,13 @@ from numpy.typing import NDArray
 from houle.analysis.errors import AnalysisError
 from houle.analysis.records import Gauges
 
+ROUND_OFF = 1e-13  # of the highest level at the gauges: amplitudes below it are none
 SMALL = 0.15  # rad over the window: costs 1e-3 of the height
 MOST = np.pi  # rad over the window that is followed
 OFF = 0.02  # part of the period that is followed
 SURE = 3.0  # standard errors
 LOST = 0.02  # part of the height that a mean over periods may lose before a note is due
+WIDE = 10.0  # times shorter and longer than the period given, in which the one that fits is looked for
 AWAY = 4.0  # times the energy at the period given, that another period must hold to be the right one
 
 
@@ -70,8 +72,11 @@ def followed(
     amplitudes(omega, periods): first harmonics (periods, G) of whole periods from `start` on. Raises AnalysisError,
     with the period that fits, when the one given is too far off.
     """
-    given, notes = omega, []
-    _require_the_wave(record.between(start, end), given)
+    given, within = omega, record.between(start, end)
+    notes: list[str] = []
+    if np.ptp(within.eta, axis=1).max() <= ROUND_OFF * np.abs(within.eta).max():
+        return omega, notes  # still water
+    _require_the_wave(within, given)
     for _ in range(6):
         length = 2 * np.pi / omega
         periods = int(np.floor((end - start) / length + 1e-6))
@@ -119,4 +124,6 @@ def _require_the_wave(g: Gauges, omega: float) -> None:
     own = float(power[max(0, here - width) : here + width + 1].max(initial=0.0))
     near = power[low:high]
     if len(near) and float(near.max()) > AWAY * own:
-        _refuse(omega, line * (low + int(np.argmax(near))), float(g.time[-1] - g.time[0]))
+        low, high = max(1, int(omega / (WIDE * line))), int(WIDE * omega / line) + 1
+        fits = line * (low + int(np.argmax(power[low:high])))  # what is seen may be the flank of a wave farther off
+        _refuse(omega, fits, float(g.time[-1] - g.time[0]))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray
 
 Real = NDArray[np.float64]
-PLACE = r"\bx\s*=\s*([-+]?\d*\.?\d+)\s*(mm|cm|m)?\b"
+PLACE = r"\bx\s*=\s*([-+]?\d*[.,]?\d+)\s*(mm|cm|m)?\b"
 COUNTS = {"sample", "samples", "index", "no", "nr", "n", "i", "record", "scan", "point", "#"}
 
 
@@ -334,7 +334,7 @@ def _positions(path: Any, names: list[str], above: Sequence[str]) -> list[float]
             return [LENGTHS[unit] * float(w) for w in re.findall(r"[-+]?\d*\.?\d+(?:[eE][-+]?\d+)?", found[3])]
     in_names = [re.search(PLACE, name, re.IGNORECASE) for name in names]
     if all(in_names):
-        return [float(m[1]) * LENGTHS[(m[2] or "m").lower()] for m in in_names if m]
+        return [float(m[1].replace(",", ".")) * LENGTHS[(m[2] or "m").lower()] for m in in_names if m]
     raise AnalysisError(
         f"{path} does not say where its gauges stand: give positions=[...] in metres, or a line '# x: 1.0, 1.35, 1.9'"
     )

@@ -51,6 +51,13 @@ def told(error: BaseException) -> str:
     return f"{type(error).__name__}: {words}" if words else type(error).__name__
 
 
+def regular(path: Path) -> Path:
+    """The path as it is. Raises OSError where a device or a pipe stands, which would be read for ever."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError(f"{path.name} is a device or a pipe, no file")
+    return path
+
+
 def remove(path: Path) -> None:
     """The file is not there."""
     with contextlib.suppress(FileNotFoundError):

@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.atomic import DAMAGES, Sink, replacing, reported
+from houle.output.atomic import DAMAGES, Sink, regular, replacing, reported
 
 KEPT = 2
 BLOCK = 512  # bytes in front of the HDF5 file, which it leaves to the user
@@ -69,7 +69,7 @@ def load_newest(directory: Path) -> Checkpoint | None:
 def load(path: Path) -> Checkpoint | None:
     """One checkpoint, or None when it is damaged or of a format this version does not know."""
     try:
-        if not _unbroken(path):
+        if not _unbroken(regular(path)):
             return None
         with h5py.File(path) as file:
             if file.attrs["format"] != FORMAT:

@@ -25,7 +25,7 @@ from houle.errors import CaseError
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
 from houle.output.apart import NO_END, apart
-from houle.output.atomic import DAMAGES, OutputError, put_aside, remove, reported, told
+from houle.output.atomic import DAMAGES, OutputError, put_aside, regular, remove, reported, told
 from houle.output.netcdf import Table
 from houle.output.surface import surface_table
 from houle.output.vtkhdf import (
@@ -253,7 +253,7 @@ def read_fields(directory: Path) -> FieldsReader:
     """The frames of a run, finished or not. OutputError when there are none."""
     path = Path(directory) / NAME
     try:
-        with h5py.File(path) as file:
+        with h5py.File(regular(path)) as file:
             shape, spacing = tuple(map(int, file.attrs["shape"])), tuple(map(float, file.attrs["spacing"]))
             parts = [] if file.attrs["packed"] else _parts(path.with_name(PARTS))
         stored = frames_in(path)
@@ -267,7 +267,7 @@ def read_fields(directory: Path) -> FieldsReader:
 def _look(path: Path) -> str:
     """Whether a file is packed, or what is wrong with it."""
     try:
-        with h5py.File(path) as file:
+        with h5py.File(regular(path)) as file:
             return PACKED if file.attrs["packed"] else INDEX
     except DAMAGES as error:
         return f"is damaged ({told(error)})"

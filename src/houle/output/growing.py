@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.output.apart import NO_END, apart
-from houle.output.atomic import DAMAGES, Sink, put_aside, remove, replacing, reported, told
+from houle.output.atomic import DAMAGES, Sink, put_aside, regular, remove, replacing, reported, told
 from houle.output.lock import TAKEN, lock
 from houle.output.netcdf import TIME, Table, Variable, append, fill, pieces, write
 
@@ -213,7 +213,7 @@ class Growing(ABC):
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[h5py.File]:
-    with h5py.File(path, "r") as file:
+    with h5py.File(regular(path), "r") as file:
         yield file
 
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from houle.output.atomic import OutputError, write_text
+from houle.output.atomic import OutputError, regular, write_text
 
 NAME = "run.json"
 PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matplotlib")
@@ -85,7 +85,7 @@ def read_manifest(directory: Path) -> dict[str, Any]:
     """run.json of a run; OutputError when it is not there or not ours."""
     path = Path(directory) / NAME
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(regular(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise OutputError(path, str(error), "is this the folder of a run?", verb="read") from error
     if missing := _missing(found):

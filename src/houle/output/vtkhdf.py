@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from houle.fields import Field, at, find
 from houle.frame import Frame
 from houle.grid import FloatArray, Grid
-from houle.output.atomic import DAMAGES, new_hdf5
+from houle.output.atomic import DAMAGES, new_hdf5, regular
 from houle.output.series import describe
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie
@@ -136,7 +136,7 @@ def read_values(file: h5py.File, stored: Stored, dimension: int) -> dict[str, Fl
 
 def frames_in(path: Path) -> list[Stored]:
     """The frames of an assembled file."""
-    with h5py.File(path) as file:
+    with h5py.File(regular(path)) as file:
         particles = file["VTKHDF/particles"]
         columns = (
             particles["Steps/Values"],

@@ -28,7 +28,7 @@ class Open(Table):
         default=None,
         description="CSV beside the case file with column t_s and one or two of velocity_m_s, discharge_m2_s, level_m",
     )
-    start: float = Field(default=0.0, ge=-1e9, le=1e9, description="time in the file that is t = 0 of the run [s]")
+    start: float = Field(default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run [s]")
     gap: float | None = Field(
         default=None,
         gt=0,

@@ -125,7 +125,7 @@ class Waves(Table):
     gamma: float = Field(default=spectra.GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
     file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
     start: float = Field(
-        default=0.0, ge=-1e9, le=1e9, description="time in the file that is t = 0 of the run, series only [s]"
+        default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run, series only [s]"
     )
     gap: float | None = Field(
         default=None,
