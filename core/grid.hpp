@@ -76,9 +76,9 @@ inline index inside(index i, index n, bool periodic) {
 // floor(s) as an index. What lies far beyond any grid, or nowhere (NaN), becomes an index outside: never one that
 // wraps.
 inline index floor_index(double s) {
-  constexpr double far = 4294967296.0;  // 2^32 cells
-  s = s > -far ? s : -far;              // NaN goes here
-  return static_cast<index>(std::floor(s < far ? s : far));
+  constexpr double far = 1e9;  // cells; an axis has fewer than 2^31
+  s = s > -far ? s : -far;     // NaN goes here
+  return static_cast<std::int32_t>(std::floor(s < far ? s : far));
 }
 
 // Calls body(axis, first, end) with the faces of every axis, slice by slice across the first: those numbered first to

@@ -68,6 +68,8 @@ def run(
     from houle.session import Clock, Session
 
     clock = Clock()
+    if not isinstance(overrides, Mapping | None):
+        raise CaseError(f"overrides = {overrides!r}: give a dictionary, such as {{'domain.spacing': 0.01}}")
     case = load(case, overrides=dict(overrides or {}))
     check_until(until, 0.0)
     directory = new_folder(case.case.name, out)
@@ -278,6 +280,8 @@ def checked_path(path: Any, key: str) -> Path:
     """A path that the system can take. Raises CaseError that names the key."""
     if not isinstance(path, str | os.PathLike):
         raise CaseError(f"{key} = {path!r} is not a folder: give a path, as text or pathlib.Path")
+    if not os.fspath(path):
+        raise CaseError(f"{key} is empty: give a path, '.' for the present folder")
     try:
         found = Path(path)
         found.absolute().lstat()

@@ -270,6 +270,12 @@ def test_irregular_lines_that_cannot_be_told_apart_are_left_out():
     assert pytest.approx(0.4, abs=0.03) == found.C_R
 
 
+@pytest.mark.parametrize("confidence", [0.0, 1.0, 2.0, float("nan")])
+def test_a_confidence_that_is_no_share_is_refused(confidence):
+    with pytest.raises(AnalysisError, match=r"confidence = .*between 0 and 1"):
+        analysis.reflection((TIME, GAUGES, signal()), depth=DEPTH, period=PERIOD, confidence=confidence)
+
+
 def test_every_kind_of_source_gives_the_same_answer(tmp_path):
     """A dataset like series.nc, a run, eta(time, x) like surface.nc, and a laboratory's table in millimetres."""
     eta = signal() + 0.25

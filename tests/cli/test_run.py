@@ -229,6 +229,15 @@ def test_threads_and_until_of_the_wrong_kind_are_bad_input(tank, wrong):
     assert list(Path().iterdir()) == []
 
 
+@pytest.mark.parametrize("wrong", [{"out": ""}, {"out": 5}, {"overrides": 5}, {"overrides": "domain.spacing"}])
+def test_folder_and_overrides_of_the_wrong_kind_are_bad_input(tank, wrong):
+    with pytest.raises(CaseError, match=f"^{next(iter(wrong))} .*: give a"):
+        houle.run(tank, **wrong)
+    with pytest.raises(CaseError, match="directory is empty"):
+        houle.resume("")
+    assert list(Path().iterdir()) == []
+
+
 def test_more_threads_than_cores_are_not_taken_and_that_is_said(tank, capsys):
     run = houle.run(tank, threads=1000, progress=True)
     said = capsys.readouterr().err

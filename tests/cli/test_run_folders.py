@@ -141,6 +141,24 @@ def test_a_folder_by_the_name_of_a_checkpoint_is_left_alone(half):
     assert (folder / "checkpoint-1.h5").is_dir()
 
 
+def test_a_frame_whose_numbers_are_not_in_the_file_is_lost(half, capsys):
+    """HDF5 reads zeros where a chunk is missing, and cannot copy it."""
+    folder, whole = half
+    with h5py.File(folder / "fields.vtkhdf", "r+") as file:
+        name = "VTKHDF/grid/CellData/pressure"
+        there = file[name].id
+        chunks = [there.get_chunk_info(i).chunk_offset for i in range(there.get_num_chunks())]
+        kept = [(offset, there.read_direct_chunk(offset)[1]) for offset in chunks[1:]]
+        same = {key: getattr(file[name], key) for key in ("shape", "dtype", "chunks", "compression", "shuffle")}
+        del file[name]
+        anew = file.create_dataset(name, **same)
+        for offset, data in kept:
+            anew.id.write_direct_chunk(offset, data)
+    run = houle.resume(folder, progress=True)
+    assert "1 of its frames up to" in capsys.readouterr().err
+    np.testing.assert_array_equal(run.fields.times, whole.fields.times[1:])
+
+
 def test_a_checkpoint_that_asks_for_more_memory_than_it_fills_is_damaged(half):
     folder, whole = half
     newest = checkpoints(folder)[0]

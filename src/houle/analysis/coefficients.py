@@ -59,6 +59,8 @@ def reflection(
     """
     if kind not in ("regular", "irregular"):
         raise AnalysisError(f'kind = {kind!r}: "regular" or "irregular"')
+    if not 0.0 < confidence < 1.0:
+        raise AnalysisError(f"confidence = {confidence:g}: give a share between 0 and 1, 0.95 for an interval of 95 %")
     positive(depth=depth, gravity=gravity)
     if maker is not None and structure is not None:
         towards = float(np.sign(structure - maker))

@@ -188,6 +188,9 @@ def _is_whole(file: h5py.File, frame: Stored, grid: Grid) -> bool:
         return False
     try:
         read_values(file, frame, grid.dimension)
+        for name in ARRAYS:
+            if not file[name].is_virtual:
+                _chunks_in(file, name, frame)  # what is not there HDF5 reads as zeros
     except DAMAGES:
         return False
     return True
