@@ -260,12 +260,14 @@ class OpenSide:
     def _outgoing(self, flow: Flow, dt: float) -> float:
         """Elevation of what comes to the zone from inside [m]: that beyond the wave and the level outside."""
         assert self.wave is not None
-        first = round(self.long_from / self.grid.spacing[0])
-        eta = float(np.nanmean(flow.eta[first : first + NEAR]))
+        first = max(0, min(round(self.long_from / self.grid.spacing[0]), self.grid.shape[0] - NEAR))
+        levels = flow.eta[first : first + NEAR]
+        wet = levels[np.isfinite(levels)]
         known = self.prescribed["level"].at(flow.time) if "level" in self.prescribed else self.wave.depth
         known += float(ramp(flow.time, self.wave_ramp)) * float(self.wave.elevation(self.long_from, flow.time))
+        comes = float(wet.mean()) - known if wet.size else 0.0  # nothing from where all is dry
         time = self.long_from / math.sqrt(max(self.gravity, 1e-12) * self.wave.depth)
-        self.outgoing += -math.expm1(-dt / time) * (eta - known - self.outgoing)
+        self.outgoing += -math.expm1(-dt / time) * (comes - self.outgoing)
         return self.outgoing
 
     def _towards_level(self, t: float, dt: float, level: FloatArray, depth: FloatArray) -> FloatArray:
