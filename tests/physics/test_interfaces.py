@@ -210,7 +210,7 @@ def test_a_closed_tank_with_a_slab_off_the_lines_around_a_periodic_axis_converge
 
 
 def test_the_ends_of_a_periodic_axis_are_one_face_also_where_pores_meet_there():
-    """A dam break that splashes through the joined ends: what is carried into the air there is limited alike on both."""
+    """A dam break splashes through the joined ends: what is carried into the air there is limited alike on both."""
     sim = simulation(
         {
             "case": {"name": "joined"},
