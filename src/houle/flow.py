@@ -284,12 +284,6 @@ class Flow:
         _core.extrapolate(self.grid.core, 6, 2, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
         return change
 
-    @property
-    def energy_density(self) -> FloatArray:
-        """J u_d^2 of the particles along each axis (N, d), J = C_r/n: a new array [m2/s2]."""
-        square = self.particles.velocity**2
-        return square if self.inertia is None else self.inertia * square
-
     def kinetic_energy(self) -> float:
         return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)
 
