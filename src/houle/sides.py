@@ -130,7 +130,7 @@ class OpenSide:
 
     @property
     def sign(self) -> float:
-        """Of x-velocities that come in."""
+        """Sign of an x-velocity that comes in."""
         return -1.0 if self.far else 1.0
 
     @property
@@ -139,7 +139,7 @@ class OpenSide:
 
     @property
     def face(self) -> int:
-        """Of axis 0."""
+        """Number of its faces along x."""
         return self.grid.shape[0] if self.far else 0
 
     @property
@@ -148,7 +148,7 @@ class OpenSide:
 
     @property
     def area(self) -> float:
-        """Of half a face [m^(d-1)]."""
+        """Area of half a face [m^(d-1)]."""
         return float(np.prod([h / 2 for h in self.grid.spacing[1:]]))
 
     @property
@@ -293,6 +293,6 @@ class OpenSide:
         flow.work.valid[0][self.face] = 1
 
     def power(self, flow: Flow) -> float:
-        """Of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
+        """Power of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
         force = np.where(flow.active[self.cell], flow.pressure[self.cell] * self.open * self.speed, 0.0)
         return float(force.sum()) * self.area * 2 ** (self.grid.dimension - 1)

@@ -236,7 +236,7 @@ class Spectrum:
         return float(np.sqrt(self._ratio(0, 2)))
 
     def _ratio(self, order: int, other: int) -> float:
-        """Of two moments; NaN for water at rest."""
+        """Ratio of two moments; NaN for water at rest."""
         below = self.moment(other)
         return self.moment(order) / below if below > 0.0 else float("nan")
 
