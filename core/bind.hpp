@@ -329,9 +329,9 @@ inline void require_table(const View<T>& v, const char* name, Table kind, index 
   bool wrong = false;
   if (kind == Table::numbers || kind == Table::some) {
     const std::remove_const_t<T> none = kind == Table::some ? -1 : 0;
-    std::remove_const_t<T> least = 0, most = 0;
-    for (index i = 0; i < v.size; ++i) least = std::min(least, v.data[i]), most = std::max(most, v.data[i]);
-    wrong = v.size > 0 && (least < none || most >= std::max<index>(limit, none + 1));
+    std::remove_const_t<T> least = v.size > 0 ? v.data[0] : 0, most = least;
+    for (index i = 1; i < v.size; ++i) least = std::min(least, v.data[i]), most = std::max(most, v.data[i]);
+    wrong = v.size > 0 && (least < none || most >= limit);
     if (wrong)
       refuse(std::string(name) + " has numbers outside " + std::to_string(none) + " to " + std::to_string(limit - 1));
   } else {

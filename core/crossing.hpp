@@ -130,9 +130,12 @@ inline void turn(const Grid<D>& g, const Stencil<LinearKernel, D>& st, const Lis
   if (same) return;
   st.template each<-1>(cells, [&](index c, double weight, double, const std::array<int, D>& k) {
     C += weight * coefficient[c];
-    for (int a = 0; a < D; ++a)
-      if (st.centre[a].weight[k[a]] > 0.0)
-        slope[a] += (k[a] ? 1.0 : -1.0) * weight / st.centre[a].weight[k[a]] * coefficient[c] / g.h[a];
+    for (int a = 0; a < D; ++a) {
+      const double own = st.centre[a].weight[k[a]];  // 0 of one of the two cells where a particle lies on a centre
+      double others = own > 0.0 ? weight / own : 1.0;
+      for (int b = 0; b < D && own == 0.0; ++b) others *= b == a ? 1.0 : st.centre[b].weight[k[b]];
+      slope[a] += (k[a] ? 1.0 : -1.0) * others * coefficient[c] / g.h[a];
+    }
   });
   const double rate = way / C;  // dw/dt = rate (slope (w.u) - u (w.slope)) / dt, w = s u
   double v[3] = {}, w[3] = {}, s[3], axis[3], half[3];

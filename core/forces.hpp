@@ -82,7 +82,7 @@ inline double phi1(double y) {
   return sum;
 }
 
-// Of twice C_r/n^2 across a face of that inertia J, from before it to after it: s^2 ln(after / before). A velocity
+// The rise of twice C_r/n^2 across a face of inertia J, from before it to after it: s^2 ln(after / before). A velocity
 // along an interface that water crosses changes by exp(-1/2 d ln s^2) then, as s u_d is kept, however steep the step.
 // With the plain difference it was reduced, or grew, by much more: e^3 instead of e^1.3 for n = 0.3. s^2 is at the face
 // that of the medium there: of the three the least that such a J can have, s^2 = J/n >= J.

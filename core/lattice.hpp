@@ -93,9 +93,9 @@ inline void each_near(const Lattice<D>& l, index node, index radius, Visit visit
   }
 }
 
+// The 4^D nodes around a particle: per axis their place in memory, their weight, their distance from the particle [m].
 template <int D>
-struct LatticeStencil {  // the 4^D nodes around a particle: per axis their place in memory, weight, distance from the
-                         // particle
+struct LatticeStencil {
   index at[D][4];
   double w[D][4], reach[D][4];
   Room room;  // to nodes behind a gate their mirror images are preferred: all rows alike, that none gets round the edge

@@ -5,7 +5,7 @@
 
 namespace houle {
 
-// Of the other nodes in sight within `radius` nodes that may(what they hold), the one that holds most; -1: none
+// The node that holds most among the others in sight within `radius` nodes that may(what they hold); -1: none
 template <int D, class May>
 inline index fullest_neighbour(const Lattice<D>& l, const Pores<D>& pores, index node, index radius,
                                const std::int32_t* number, const Gathered<D>* nodes, May may) {

@@ -1,4 +1,4 @@
-// Parallel loops, on the threads of threads.hpp; a GPU build replaces these bodies and nothing else.
+// Parallel loops, reductions and sorts: the only code of the core that shares work among the threads of threads.hpp.
 //
 // Loop bodies capture pointers and scalars by value, allocate nothing and throw nothing. Every result is bitwise the
 // same for any number of threads: iterations are independent, and sums are formed over blocks of a fixed size, block
@@ -6,8 +6,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "threads.hpp"

@@ -71,7 +71,7 @@ class Drive:
         m[3] = min(m[3] + 1, READINGS)
 
     def elevation(self, flow: Flow, paddle: Paddle) -> float:
-        """Of the travelling wave in the pressure on the face [m]."""
+        """Elevation of the travelling wave in the pressure on the face [m]."""
         g, d, c = self.read.gravity, self.read.depth, paddle.column
         level = np.nan_to_num(flow.eta[c], nan=d)[..., None]
         still = g * (d - self.z)

@@ -76,7 +76,7 @@ class Measured:
 
 
 def least(runs: Sequence[Measured]) -> Measured:
-    """Of every step, and of every operation in it, the least that any of these runs of one job took."""
+    """The least time of every step, and of every operation in it, that any of these runs of one job took."""
 
     def each(seconds: Iterable[list[float]]) -> list[float]:
         return [min(times) for times in zip(*seconds, strict=True)]

@@ -109,7 +109,7 @@ class Case(Table):
 
     @property
     def drag_period(self) -> float:
-        """Of the flow to and fro in porous bodies [s], for the laws of resistance that know it.
+        """Period of the flow to and fro in porous bodies [s], for the laws of resistance that know it.
 
         The period of regular waves, T_m-1,0 of sums of waves; infinite without waves, and for a single one. Raises
         WaveError as `wave`.

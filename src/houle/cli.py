@@ -1,6 +1,7 @@
 """The command line. A command reads its arguments, calls one function and sets the exit status, nothing else.
 
-Exit status: 0 done; 2 the input is wrong (one message, nothing written); 3 the run failed; 130 interrupted.
+Exit status: 0 done; 1 a target of `validate` was missed; 2 the input is wrong (one message, nothing written); 3 a run
+failed; 130 interrupted.
 What a command needs is imported inside it, so that `houle --help` answers at once.
 """
 
@@ -137,7 +138,8 @@ def describe(
     topic: Annotated[
         str,
         typer.Argument(
-            metavar="TOPIC", help="resistance | theories | kernels | transfers | remeshing | numerics | fields | schema"
+            metavar="TOPIC",
+            help="resistance | theories | makers | kernels | transfers | remeshing | numerics | fields | schema",
         ),
     ],
 ) -> None:

@@ -47,7 +47,7 @@ class Capacity:
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Capacity:
-        """Of all columns that are not uniform."""
+        """The capacity of all columns that are not uniform."""
         return cls._joined(_columns(grid, medium, range(grid.shape[0]), ()))
 
     @classmethod

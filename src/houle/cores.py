@@ -37,7 +37,7 @@ def granted(membership: Path = MEMBERSHIP, root: Path = ROOT) -> float:
 
 
 def _quota(group: Path) -> float:
-    """Of one group, of version 2 (cpu.max: quota and period) or 1 [cores]."""
+    """Cores that one group grants, of version 2 (cpu.max: quota and period) or 1."""
     try:
         if (group / "cpu.max").exists():
             quota, period = (group / "cpu.max").read_text(encoding="utf-8").split()

@@ -18,4 +18,4 @@ class Driven(Protocol):
         """After the pressure gradient was taken off: sets the velocity of its faces and marks them valid."""
 
     def power(self, flow: Flow) -> float:
-        """Of the pressure on its faces, pressure / density times flux into the water [m^d m2/s3], for the ledger."""
+        """Power of the pressure on its faces, over the density: pressure times flux into the water [m^d m2/s3]."""

@@ -169,7 +169,7 @@ def _middles(side: OpenSide, slices: _Slices, rows: NDArray[np.intp]) -> FloatAr
 
 
 def _velocity(flow: Flow, side: OpenSide, position: FloatArray) -> FloatArray:
-    """Of the water in the cells at the side, along it, linear between faces; the component across is left 0."""
+    """Velocity of the water in the cells at the side, along it, linear between faces; across the side it is left 0."""
     h, shape = side.grid.spacing, side.grid.shape
     cell = [np.clip((position[:, a] / h[a]).astype(np.intp), 0, shape[a] - 1) for a in range(1, len(h))]
     velocity = np.zeros_like(position)

@@ -141,10 +141,14 @@ class Flow:
         then the inertia of the ones and of the others.
         """
         found = []
-        for faces in self.medium.on_faces(0) if self.porous else []:
+        for own, faces in enumerate(self.medium.on_faces(0) if self.porous else []):
             number, beside = np.arange(faces.size).reshape(faces.shape), []
             for axis, wraps in enumerate(self.grid.periodic):
                 wide = widened(number, axis, wraps)
+                if (
+                    axis == own and wraps
+                ):  # the first face is the last: beside both stand the second and the last but one
+                    wide[[0, -1]] = wide[[-3, 2]]
                 beside += [np.moveaxis(part, 0, axis).ravel() for part in (wide[:-2], wide[2:])]
             around = np.stack(beside, axis=1)
             inertia = faces.ravel()
@@ -279,12 +283,6 @@ class Flow:
         known = [(v == 1).astype(np.uint8) for v in self.work.valid]
         _core.extrapolate(self.grid.core, 6, 2, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
         return change
-
-    @property
-    def energy_density(self) -> FloatArray:
-        """J u_d^2 of the particles along each axis (N, d), J = C_r/n: a new array [m2/s2]."""
-        square = self.particles.velocity**2
-        return square if self.inertia is None else self.inertia * square
 
     def kinetic_energy(self) -> float:
         return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)

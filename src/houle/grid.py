@@ -115,13 +115,13 @@ Choose = Callable[[NDArray, NDArray], NDArray]  # np.minimum or np.maximum
 
 
 def beside(choose: Choose, cells: NDArray, axis: int, periodic: Sequence[bool]) -> NDArray:
-    """Of each cell and the two beside it along an axis, the one to choose."""
+    """The value to choose among those of each cell and the two beside it along an axis."""
     wide = widened(cells, axis, periodic[axis])
     return np.moveaxis(choose(choose(wide[:-2], wide[1:-1]), wide[2:]), 0, axis)
 
 
 def seen(choose: Choose, faces: NDArray, axis: int, periodic: Sequence[bool]) -> NDArray:
-    """Of the faces of an axis that a particle in each cell can see by the linear kernel, the one to choose (cells)."""
+    """The value (cells) to choose among the faces of an axis that a particle in the cell sees by the linear kernel."""
     along = np.moveaxis(faces, axis, 0)
     cells = np.moveaxis(choose(along[:-1], along[1:]), 0, axis)  # its two faces, and those of the cells beside it
     for across in set(range(faces.ndim)) - {axis}:

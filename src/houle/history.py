@@ -62,7 +62,8 @@ def read_history(
     known = np.all(np.isfinite([time, *values]), axis=0)
     rows = np.flatnonzero(known) + 1
     table = np.array([time, *values])[:, known]
-    again = np.concatenate([[False], np.all(table[:, 1:] == table[:, :-1], axis=0)])
+    again = np.zeros(len(rows), bool)
+    again[1:] = np.all(table[:, 1:] == table[:, :-1], axis=0)
     table, rows = table[:, ~again], rows[~again]
     if table.shape[1] < least:
         raise error(

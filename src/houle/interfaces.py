@@ -258,8 +258,8 @@ class Shared(NamedTuple):
     share: FloatArray
 
     def mean(self, field: FloatArray) -> FloatArray:
-        """Of a field on all faces of the axis, that of both media on these faces (K,); the face beside stands for the
-        other one.
+        """Means over both media on these faces (K,) of a field on all faces of the axis; the face beside stands for the
+        other medium.
         """
         every = field.ravel()
         own = every[self.face]

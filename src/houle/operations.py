@@ -359,8 +359,8 @@ def _book_crossings(flow: Flow, before: list[FloatArray]) -> None:
 
 
 def portion(correction: float, courant: float) -> float:
-    """Of the excess, what a step spreads. Disorder is made by moving: a step that moves little corrects little, one of
-    several quarters of a cell as much as that many steps.
+    """Share of the excess that a step spreads [-]. Disorder is made by moving: a step that moves little corrects
+    little, one of several quarters of a cell as much as that many steps.
     """
     quarters = courant / FULL_CORRECTION
     return min(correction * quarters, 1.0 - (1.0 - correction) ** quarters)

@@ -130,7 +130,7 @@ class Recorder:
             self._count_frames()
 
     def _count_frames(self) -> None:
-        """Of the time alone: after an end that was no multiple, too, where a run is prolonged."""
+        """From the time alone, so also where a run is prolonged after an end that was no multiple."""
         self.frames = int(self.last.time / self.every + SAME) + 1
 
     def finish(self, simulation: Any) -> None:

@@ -114,7 +114,7 @@ def theory(case: Case, height: float) -> Scatter | None:
 
 
 def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bool) -> Scatter:
-    """Of an upright block, or one with other grains, for waves of this frequency [rad/s] and incident height [m]."""
+    """Linear theory of the block, or of one with other grains, for waves of this frequency [rad/s] and height [m]."""
     assert case.waves is not None
     low, high = shape_of(body, case.dimension).bounds
     a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity, case.drag_period)
@@ -181,7 +181,7 @@ def no_theory(case: Case) -> str | None:
 
 
 def wave_of(case: Case) -> Wave:
-    """Of a case that has one."""
+    """The wave of a case that has one."""
     wave = case.wave
     assert wave is not None
     return wave

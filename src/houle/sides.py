@@ -130,7 +130,7 @@ class OpenSide:
 
     @property
     def sign(self) -> float:
-        """Of x-velocities that come in."""
+        """Sign of an x-velocity that comes in."""
         return -1.0 if self.far else 1.0
 
     @property
@@ -139,7 +139,7 @@ class OpenSide:
 
     @property
     def face(self) -> int:
-        """Of axis 0."""
+        """Number of its faces along x."""
         return self.grid.shape[0] if self.far else 0
 
     @property
@@ -148,7 +148,7 @@ class OpenSide:
 
     @property
     def area(self) -> float:
-        """Of half a face [m^(d-1)]."""
+        """Area of half a face [m^(d-1)]."""
         return float(np.prod([h / 2 for h in self.grid.spacing[1:]]))
 
     @property
@@ -260,12 +260,14 @@ class OpenSide:
     def _outgoing(self, flow: Flow, dt: float) -> float:
         """Elevation of what comes to the zone from inside [m]: that beyond the wave and the level outside."""
         assert self.wave is not None
-        first = round(self.long_from / self.grid.spacing[0])
-        eta = float(np.nanmean(flow.eta[first : first + NEAR]))
+        first = max(0, min(round(self.long_from / self.grid.spacing[0]), self.grid.shape[0] - NEAR))
+        levels = flow.eta[first : first + NEAR]
+        wet = levels[np.isfinite(levels)]
         known = self.prescribed["level"].at(flow.time) if "level" in self.prescribed else self.wave.depth
         known += float(ramp(flow.time, self.wave_ramp)) * float(self.wave.elevation(self.long_from, flow.time))
+        comes = float(wet.mean()) - known if wet.size else 0.0  # nothing from where all is dry
         time = self.long_from / math.sqrt(max(self.gravity, 1e-12) * self.wave.depth)
-        self.outgoing += -math.expm1(-dt / time) * (eta - known - self.outgoing)
+        self.outgoing += -math.expm1(-dt / time) * (comes - self.outgoing)
         return self.outgoing
 
     def _towards_level(self, t: float, dt: float, level: FloatArray, depth: FloatArray) -> FloatArray:
@@ -291,6 +293,6 @@ class OpenSide:
         flow.work.valid[0][self.face] = 1
 
     def power(self, flow: Flow) -> float:
-        """Of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
+        """Power of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
         force = np.where(flow.active[self.cell], flow.pressure[self.cell] * self.open * self.speed, 0.0)
         return float(force.sum()) * self.area * 2 ** (self.grid.dimension - 1)

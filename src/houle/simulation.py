@@ -154,7 +154,7 @@ class Simulation:
             flow.makers.append(Stream(rate, self._depths(), side.passing))
 
     def _depths(self) -> FloatArray:
-        """Of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""
+        """Depth of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""
         depths = self.particles.depths(self.grid)
         padded = np.concatenate([depths[:1], depths, depths[-1:]])
         return np.maximum(0.5 * (padded[:-1] + padded[1:]), self.grid.spacing[-1])
@@ -323,7 +323,7 @@ class Simulation:
         return self._room.mean_level(self.flow.eta, self._room_along(), water_held(self.flow))
 
     def _potential_energy(self) -> float:
-        """Of waves that of the levels: how the particles are packed does not count; else that of the particles."""
+        """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
         *along, down = self.flow.gravity
         if self.case.waves is None or any(along):
             return self.ledger.potential

@@ -56,7 +56,7 @@ class Workspace:
 
     @cached_property
     def order(self) -> np.ndarray:
-        """Of the particles, when they are sorted (N,); in the store behind the spare rows."""
+        """Order of the particles when they are sorted (N,), in the store behind the spare rows."""
         n = self.particles
         return self._stored((n, self.grid.dimension), ((n + 1) // 2,))[1].view(np.int32)[:n]
 
@@ -67,22 +67,22 @@ class Workspace:
 
     @property
     def coefficient(self) -> Faces:
-        """Of a pressure system; the solver copies it. After that, the displacement of the position correction [m]."""
+        """Coefficients of a pressure system, which the solver copies; then the displacement of the correction [m]."""
         return self._system[:-2]
 
     @property
     def dirichlet(self) -> FloatArray:
-        """Of the cells beside air in a pressure system."""
+        """Coefficients of the cells beside air in a pressure system."""
         return self._system[-2]
 
     @property
     def potential(self) -> FloatArray:
-        """Of the position correction, in the place of `dirichlet`, which the solver has then copied."""
+        """Potential of the position correction [m2], in the place of `dirichlet`, which the solver has then copied."""
         return self._system[-2]
 
     @property
     def rhs(self) -> FloatArray:
-        """Of a pressure system."""
+        """Right-hand side of a pressure system."""
         return self._system[-1]
 
     @cached_property
@@ -102,10 +102,10 @@ class Workspace:
 
     @cached_property
     def solver(self) -> _core.PressureSolver2 | _core.PressureSolver3:
-        """Of the pressure and of the position correction."""
+        """The solver of the pressure and of the position correction."""
         return (_core.PressureSolver2 if self.grid.dimension == 2 else _core.PressureSolver3)(self.grid.core)
 
     @cached_property
     def mass_matrix(self) -> _core.MassMatrix2 | _core.MassMatrix3:
-        """Of the full-mass-matrix transfer."""
+        """The matrix of the full-mass-matrix transfer."""
         return (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)

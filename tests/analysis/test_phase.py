@@ -136,3 +136,13 @@ def test_still_water_above_the_bed_holds_no_wave():
     """What is left of a level of 0.25 m after its mean is rounding: it gave a C_R of 2.6."""
     with pytest.raises(AnalysisError, match="no incident wave"):
         found(np.full((4, len(TIME)), DEPTH))
+
+
+def test_gauges_at_rest_hold_no_wave():
+    """An empty flume before the maker starts: one sentence, no division by what is not there."""
+    time, x = np.arange(1200) * 0.05, np.array([0.0, 0.3, 0.7, 1.1, 1.8, 2.5, 3.0])
+    still = (time, x, np.zeros((7, 1200)))
+    with pytest.raises(analysis.AnalysisError, match="they are at rest"):
+        analysis.quality_card(still, depth=0.3, period=1.5, height=0.02, window=(0.0, 60.0))
+    with pytest.raises(analysis.AnalysisError, match="they are at rest"):
+        analysis.reflection(still, depth=0.3, period=1.5, kind="irregular", window=(0.0, 60.0))

@@ -80,6 +80,13 @@ def test_moments_and_peak_of_a_known_spectrum():
     assert analysis.spectrum(time, np.cos(2 * np.pi * time / 3.1), 100.0).T_p == pytest.approx(3.1, rel=5e-3)
 
 
+def test_water_at_rest_has_no_mean_period():
+    found = analysis.spectrum(np.arange(400) * 0.1, np.zeros(400))
+    assert found.H_m0 == 0.0
+    assert np.isnan([found.T_m10, found.T_m01, found.T_m02]).all()
+    assert "H_m0 0 m" in str(found)
+
+
 # the window
 
 

@@ -132,7 +132,7 @@ class World:
         crossing = {
             "number": m.material or none,
             "table": m.materials,
-            "one": m.listed("inertia"),
+            "cell_inertia": m.listed("inertia"),
             "uniform": m.listed("uniform"),
         }
         halves = tuple(2 * k for k in self.grid.shape)

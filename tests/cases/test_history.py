@@ -131,6 +131,14 @@ def test_rows_of_nan_are_a_hole(tmp_path):
     assert told(flume(tmp_path)) == [], "single ones are not"
 
 
+def test_a_file_without_a_single_value_is_refused(tmp_path):
+    write(tmp_path, T, np.full(len(T), np.nan))
+    assert "needs at least 4 rows of finite numbers" in " ".join(told(flume(tmp_path), "error"))
+    write(tmp_path, T, np.full(len(T), np.nan), columns="level_m")
+    found = [str(f) for f in checks.check(river(tmp_path)) if f.level == "error"]
+    assert "needs at least 2 rows of finite numbers" in " ".join(found)
+
+
 def test_uneven_steps_are_no_holes(tmp_path):
     t = T + 0.02 * np.random.default_rng(1).uniform(-1.0, 1.0, len(T))
     write(tmp_path, t, 0.01 * np.sin(2 * np.pi * t / 1.5))

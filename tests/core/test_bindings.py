@@ -103,6 +103,20 @@ def test_tables_that_point_elsewhere_are_refused(read_only):
             sample(made(number), value[:-1])
 
 
+def test_a_table_without_entries_has_no_number_0_but_may_have_none():
+    """What a cell has no value for cannot be read; a cell that is near no interface needs none in the list."""
+    held, cells = [np.zeros(GRID.face_shape(a), np.uint8) for a in range(2)], numbered(GRID.cells(1.0))
+    with pytest.raises(ValueError, match="open has numbers outside 0 to -1"):
+        empty = np.zeros(GRID.shape, np.int32), np.zeros(0)
+        _core.hold_faces(GRID.core, np.ones(GRID.shape, np.uint8), empty, cells, 30.0, held)
+    nowhere = np.full(GRID.shape, -1, np.int32)
+    media = nowhere, nowhere, np.zeros((0, 5)), [np.zeros(GRID.face_shape(a), np.int8) for a in range(2)]
+    x, u = np.full((1, 2), 0.6), np.zeros((1, 2))
+    start = np.zeros(np.prod(GRID.shape) + 1, np.int32)
+    _core.to_particles(GRID.core, "linear", x, None, np.ones(1), start, GRID.faces(2.0), [], [], 0.0, u, media)
+    np.testing.assert_allclose(u, 2.0, rtol=1e-12)
+
+
 def test_starts_that_fall_are_refused():
     x, start = in_order(GRID, np.random.default_rng(1).random((20, 2)) * GRID.size)
     for k in (0, 3, 12):

@@ -186,6 +186,18 @@ def test_along_an_interface_the_momentum_with_added_mass_is_kept():
     assert 4.0 * np.sum(pores.u**2) == pytest.approx(1.25, rel=1e-4)
 
 
+@settings(max_examples=30)
+@given(grids(most=6), randoms)
+def test_at_the_centre_of_a_cell_the_velocity_turns_as_beside_it(grid, random):
+    """There one of the two weights along an axis is 0, and the slope of C_r is that on the one side."""
+    pores, axis = Pores(grid, random, held=0.0), int(random.integers(grid.dimension))
+    to = pores.x.copy()
+    to[:, axis] = (np.floor(to[:, axis] / grid.spacing[axis]) + 0.5) * grid.spacing[axis]
+    beside = to.copy()
+    beside[:, axis] += 1e-9 * grid.spacing[axis]
+    np.testing.assert_allclose(pores.carry(to, 0.1), pores.carry(beside, 0.1), rtol=0.0, atol=1e-6)
+
+
 @settings(max_examples=40)
 @given(grids(most=6), randoms)
 def test_faces_are_held_between_full_cells_of_moderate_contrast(grid, random):

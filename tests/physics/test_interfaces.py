@@ -209,6 +209,22 @@ def test_a_closed_tank_with_a_slab_off_the_lines_around_a_periodic_axis_converge
     assert abs(sim.volume_drift) < 1e-12
 
 
+def test_the_ends_of_a_periodic_axis_are_one_face_also_where_pores_meet_there():
+    """A dam break splashes through the joined ends: what is carried into the air there is limited alike on both."""
+    sim = simulation(
+        {
+            "case": {"name": "joined"},
+            "domain": {"size": [1.0, 0.5], "spacing": 0.05, "walls": {"x": "periodic"}},
+            "water": [{"box": [[0.5, 0.0], [1.0, 0.3]]}, {"box": [[0.0, 0.0], [0.4, 0.1]]}],
+            "porous": [{"box": [[0.0, 0.0], [0.4, 0.5]], "porosity": 0.45, "resistance": {"a": 9.0, "b": 3.0}}],
+            "time": {"end": 1.0},
+        }
+    )
+    while sim.time < 1.0:
+        sim.advance(1.0)
+        np.testing.assert_array_equal(sim.flow.velocity[0][0], sim.flow.velocity[0][-1])
+
+
 @pytest.mark.parametrize("transfer", ["fmpm", "flip"])
 def test_no_water_passes_the_floor_under_a_front_off_the_lines(transfer):
     """The faces on the floor are closed, whatever media would share them."""

@@ -273,3 +273,20 @@ def test_a_zone_at_an_open_side_carries_the_volume_of_a_long_wave(tmp_path):
     other = simulation(case)
     other.restore(copy_state(sim))
     assert differing(copy_state(run(sim, 3)), copy_state(run(other, 3))) == []
+
+
+def test_a_zone_for_a_long_wave_may_fill_the_tank():
+    """What comes back to it is read in the last columns then."""
+    sim = simulation(
+        {
+            "case": {"name": "all-zone"},
+            "domain": {"size": [4.0, 0.4], "spacing": 0.05},
+            "water": [{"below": DEPTH}],
+            "waves": {"kind": "solitary", "height": 0.02, "depth": DEPTH, "zone": {"x": [0.0, 3.99]}},
+            "open": [{"side": "left", "level": DEPTH}],
+            "time": {"end": 1.0},
+        }
+    )
+    run(sim, 20)
+    assert abs(sim.flow.sides[0].outgoing) < 1e-3
+    assert np.abs(sim.flow.eta - DEPTH).max() < 0.02

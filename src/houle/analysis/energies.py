@@ -107,6 +107,8 @@ def lines(g: Gauges, depth: float, band: tuple[float, float], method: str, gravi
     energy, rest = np.zeros((len(k), 2)), np.zeros(len(k))
     energy[apart], rest[apart] = _energies(F[apart], k[apart], g.x, method)
     total = np.sum(np.abs(F) ** 2, axis=1)
+    if not total.any():
+        raise AnalysisError(f"the gauges hold no waves between {band[0]:.3g} and {band[1]:.3g} Hz: they are at rest")
     trust = np.where(apart, 1.0 - np.clip(_smooth(rest) / _smooth(np.where(apart, total, 0.0)), 0.0, 1.0), 0.0)
     lost = 1.0 - total[trust > 0].sum() / total.sum()
     if lost > 0.5:

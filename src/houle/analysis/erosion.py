@@ -172,7 +172,7 @@ def _first_peak(match: Real) -> int:
 
 
 def _correlation(a: Real, b: Real, shift: int) -> float:
-    """Of a(t) and b(t + shift), where both are known."""
+    """Correlation of a(t) and b(t + shift), where both are known."""
     p, q = (a[: len(a) - shift], b[shift:]) if shift >= 0 else (a[-shift:], b[: len(b) + shift])
     p, q = p - p.mean(), q - q.mean()
     size = np.sqrt(np.sum(p**2) * np.sum(q**2))

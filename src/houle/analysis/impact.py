@@ -18,7 +18,7 @@ from houle.grid import FloatArray
 
 @dataclass(frozen=True)
 class Impact:
-    """Of a pressure record: the `largest` value [Pa], at `time` [s].
+    """The `largest` value of a pressure record [Pa], at `time` [s].
 
     duration: how long the pressure is above half of it [s], without a break. impulse: its integral [Pa s] over that
     time and as far as it goes on falling on both sides. lasting: largest mean over `window` [Pa, s].
@@ -79,7 +79,7 @@ def _sides(t: FloatArray, p: FloatArray, top: int, way: int) -> tuple[float, flo
 
 
 class _Integral:
-    """Of the straight lines between the samples, from the first one on."""
+    """Integral of the straight lines between the samples, from the first one on."""
 
     def __init__(self, t: FloatArray, p: FloatArray) -> None:
         self.t, self.p, self.slope = t, p, np.diff(p) / np.diff(t)

@@ -152,11 +152,13 @@ def decaying_waves(x: NDArray[Any], F: NDArray[Any], k: float) -> tuple[complex,
     """kappa [rad/m], (Z_I, Z_R) referred to x = 0 and the unexplained part of |F|, starting at the wave number k.
 
     Variable projection: for a trial kappa the two amplitudes are linear. Decay is bounded by |alpha| < k / 10 (half the
-    height in a wavelength), k by 15 %.
+    height in a wavelength), k by 15 %. Raises AnalysisError where no wave within these bounds explains the gauges.
     """
     from scipy.optimize import least_squares
 
     middle, size = x.mean(), np.linalg.norm(F)
+    if size == 0.0:
+        raise AnalysisError("the gauges hold no wave of this period: they are at rest")
 
     def waves(kappa: complex) -> NDArray[Any]:
         return np.exp(1j * kappa * np.outer(x - middle, [1.0, -1.0]))

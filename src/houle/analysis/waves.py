@@ -224,16 +224,21 @@ class Spectrum:
 
     @property
     def T_m10(self) -> float:
-        """Energy period T_m-1,0 [s]."""
-        return self.moment(-1) / self.moment(0)
+        """Energy period T_m-1,0 [s]; NaN without energy, like the two below."""
+        return self._ratio(-1, 0)
 
     @property
     def T_m01(self) -> float:
-        return self.moment(0) / self.moment(1)
+        return self._ratio(0, 1)
 
     @property
     def T_m02(self) -> float:
-        return float(np.sqrt(self.moment(0) / self.moment(2)))
+        return float(np.sqrt(self._ratio(0, 2)))
+
+    def _ratio(self, order: int, other: int) -> float:
+        """Ratio of two moments; NaN for water at rest."""
+        below = self.moment(other)
+        return self.moment(order) / below if below > 0.0 else float("nan")
 
     @property
     def T_p(self) -> float:

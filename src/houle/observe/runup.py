@@ -64,7 +64,7 @@ class RunUp:
         return float(x[top]), float(z[top])
 
     def _levels(self, flow: Flow) -> FloatArray:
-        """Of the water above the ground (rows, N) [m]; below the ground where there is none."""
+        """Level of the water above the ground (rows, N) [m]; below the ground where there is none."""
         count = len(self.x)
         eta = flow.eta[self.columns].reshape(count, -1).T[:, :: self.way]
         fill = flow.fill[self.columns].reshape(count, -1, flow.grid.shape[-1]).transpose(1, 0, 2)[:, :: self.way]

@@ -9,7 +9,7 @@ For the runner (every failure of the file system is an OutputError: one message 
     out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
     out.commit()                           everything appended so far is in the files; call it before each checkpoint
     out.commit_if_due(seconds)             the same, at most once in so many seconds of wall time; call it every step
-    out.close()                            commit, and pack fields.vtkhdf into one file
+    out.close()                            commit, and pack each of the three into the file that stays
 
     save_checkpoint(directory, step, state, meta)   state: arrays and scalars by name; meta: what JSON can hold
     load_newest(directory)                          Checkpoint or None: .path .step .state .meta; skips a damaged file
@@ -107,7 +107,7 @@ class Outputs:
             self.commit()
 
     def close(self) -> None:
-        """Commit, and pack the fields into one file. At the end of a run, however it ends."""
+        """Commit, and pack each file as it stays. At the end of a stretch of a run, however it ends."""
         for writer in (self.series, self.surface, self.fields):
             writer.close()
 

@@ -206,7 +206,7 @@ def _room(panel: Axes) -> tuple[float, float]:
 
 
 def _length(text: Text) -> float:
-    """Of a line of a figure [inches], with a hundredth for the letters' hinting at another resolution."""
+    """Length of a line of a figure [inches], with a hundredth for the letters' hinting at another resolution."""
     figure: Any = text.figure
     canvas = figure.canvas if isinstance(figure.canvas, FigureCanvasAgg) else FigureCanvasAgg(figure)
     extent = text.get_window_extent(canvas.get_renderer())

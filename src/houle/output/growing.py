@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, Sink, put_aside, regular, remove, replacing, reported, told
 from houle.output.lock import TAKEN, lock
-from houle.output.netcdf import TIME, Table, Variable, append, fill, pieces, write
+from houle.output.netcdf import TIME, Table, Variable, append, fill, pieces
 
 OF_THE_FORMAT = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "coordinates")  # attributes
 ROOM = 16e6  # bytes of rows in memory, from which on they go to the file
@@ -100,8 +100,8 @@ class Growing(ABC):
         """Commit, and pack the rows into the file that stays."""
         self.commit()
         if self._begun and self._grows:
-            with _opened(self.path) as source:
-                write(self.path, _table_in(source))
+            with replacing(self.path) as temporary, _opened(self.path) as source:
+                fill(temporary, _table_in(source))
             self._grows = False
         self._forget_hidden()
 
@@ -122,10 +122,9 @@ class Growing(ABC):
         with _opened(self.path) as source:
             keep = _count_until(source, time)
             last = float(source[TIME][keep - 1]) if keep else -np.inf
-            if keep:
-                with replacing(self.path) as temporary:
-                    found = _table_in(source, keep)
-                    fill(temporary, replace(found, attrs=self.attributes), grows=True)
+        if keep:
+            with replacing(self.path) as temporary, _opened(self.path) as source:
+                fill(temporary, replace(_table_in(source, keep), attrs=self.attributes), grows=True)
         self._begun = keep > 0
         if last >= time - 1e-9 * abs(time):
             return []

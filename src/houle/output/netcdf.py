@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.atomic import DAMAGES, OutputError, Sink, replacing, told
+from houle.output.atomic import DAMAGES, OutputError, Sink, told
 
 if TYPE_CHECKING:
     import xarray
@@ -60,15 +60,10 @@ class Table(Mapping[str, Variable]):
         return {d: n for v in self.values() for d, n in zip(v.dims, v.values.shape, strict=True)}
 
 
-def write(path: Path, table: Table) -> None:
-    """The whole file or nothing; every dimension has a coordinate. Missing values are NaN, coordinates have none."""
-    with replacing(path) as temporary:
-        fill(temporary, table)
-
-
 def fill(path: Path, table: Table, grows: bool = False) -> None:
     """Makes a file of the table, piece by piece: its values may lie in a file themselves.
 
+    Every dimension has a coordinate. Missing values are NaN; coordinates have none.
     grows: so that rows can be appended in time. Else compressed where it is worth it.
     """
     with Sink(path) as sink:
@@ -134,7 +129,7 @@ def _chunk(variable: Variable) -> tuple[int, ...]:
 
 
 def read(path: Path) -> Table:
-    """A file of `write`, in memory and closed. OutputError when it cannot be read."""
+    """A file of `fill`, in memory and closed. OutputError when it cannot be read."""
     try:
         with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
             beside = {

@@ -40,7 +40,7 @@ class Time(Table):
 
     end: float = Field(gt=0, le=1e6, description="simulated time [s]", examples=[2.0])
     courant: float = Field(
-        0.5, gt=0, le=1, description="cells a pore may be crossed in one step, sets the time step [-]"
+        0.5, gt=0, le=1, description="cells that the fastest particle may cross in a step, at most [-]"
     )
     step: float | None = Field(default=None, gt=0, description="fixed time step instead of courant [s]")
 

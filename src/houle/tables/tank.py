@@ -291,7 +291,7 @@ class Sponge(Table):
         default=None,
         gt=0,
         le=1e4,
-        description="largest rate at which it slows the water down; when left out, 1 % of the waves comes back [1/s]",
+        description="largest rate at which it slows the water down; when left out, 0.3 % of the waves comes back [1/s]",
     )
 
     @model_validator(mode="after")

@@ -189,7 +189,7 @@ def piston(
 
 
 def _top(depth: float, height: float) -> float:
-    """Of the tank [m], clear of the highest standing crest; such that still water in 0.25 m of depth does not stand at
-    the middle of a cell with the spacings of the cases (20, 10, 5 mm, fitted to this height).
+    """Height of the tank [m], clear of the highest standing crest; such that still water in 0.25 m of depth does not
+    stand at the middle of a cell with the spacings of the cases (20, 10, 5 mm, fitted to this height).
     """
     return round(0.025 * math.ceil((depth + 1.6 * height + 0.06) / 0.025), 3)

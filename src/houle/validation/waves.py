@@ -23,7 +23,7 @@ def window(run: Run) -> tuple[float, float]:
 
 
 def card(run: Run, gauges: Sequence[str] | None = None, towards: float = 1.0) -> analysis.QualityCard:
-    """Of the waves towards +1 or -1 at these gauges, all if left out, beside their theory."""
+    """Quality of the waves towards +1 or -1 at these gauges, all if left out, beside their theory."""
     wave, case = wave_of(run.case), run.case
     assert case.waves is not None
     return analysis.quality_card(

@@ -22,7 +22,7 @@ ITERATIONS, CONVERGED = 30, 1e-13
 
 
 def wave_number(omega: ArrayLike, depth: float, gravity: float, current: float) -> Array:
-    """Of frequencies seen from the bed [rad/s]. Raises WaveError for a wave that the current stops."""
+    """Wave numbers [rad/m] of frequencies seen from the bed [rad/s]. WaveError for a wave that the current stops."""
     k = dispersion.wave_number(omega, depth, gravity, current)
     if np.isnan(k).any():
         shortest = 2 * pi / float(np.max(np.asarray(omega)[np.isnan(k)]))

@@ -99,7 +99,7 @@ class _Water:
         return total
 
     def _sum(self, powers: list[Array], orders: list[Spectrum], first: int) -> Array:
-        """Of eta^i / i! times the derivative by z of the order that goes with it."""
+        """Sum of eta^i / i! times the derivative by z of the order that goes with it."""
         total = np.zeros_like(powers[0])
         for i, (power, order) in enumerate(zip(powers, orders, strict=False), start=first):
             total += power * self.back(order * self.k**i * (self.tanh if i % 2 else 1.0))
@@ -108,7 +108,7 @@ class _Water:
 
 @lru_cache(maxsize=8)
 def potential(wave: Wave, width: float, sides: tuple[bool, bool]) -> Potential:
-    """Of a source of this width [m] that sends the wave, of constant form, to the (right, left).
+    """Potential of a source of this width [m] that sends the wave, of constant form, to the (right, left).
 
     Raises WaveError if the wave is too steep for it.
     """
@@ -195,7 +195,7 @@ def _rate(water: _Water, drift: Array) -> Array:
 
 
 def _harmonics(x: Array, along: Spectrum, value: Spectrum) -> Potential:
-    """Of the phases (FFT along axis 0, exp(+i n tau)), as coefficients of exp(-i n tau)."""
+    """Harmonics of the phases (FFT along axis 0, exp(+i n tau)), as coefficients of exp(-i n tau)."""
     weight = np.where(np.arange(PHASES // 2) == 0, 1.0, 2.0)[:, None] / PHASES
     size = np.abs(along[: PHASES // 2]).max(axis=1)
     count = int(np.flatnonzero(size > NEGLIGIBLE * size[1]).max()) + 1

@@ -93,9 +93,9 @@ class Motion:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Of few harmonics their sum; of a spectrum what 1 in 3000 waves goes beyond, 2 Hs / 2 of the displacement.
+        """How far it goes [m]: few harmonics, their sum; a spectrum, what 1 in 3000 waves goes beyond, 2 Hs / 2.
 
-        Of a record with a mean, which it goes along with, its way until the record comes again.
+        A record with a mean, which it goes along with: its way until the record comes again.
         """
         if self.drift:
             times = np.linspace(0.0, 2 * pi / float(np.diff(self.omega).min()), TIMES)
@@ -132,7 +132,7 @@ class Reading:
 
     @property
     def omega(self) -> float:
-        """Of the waves that are taken up whole [rad/s]."""
+        """Frequency of the waves that are taken up whole [rad/s]."""
         return float(np.sqrt(self.gravity * self.k * np.tanh(self.k * self.depth)))
 
     @property

@@ -117,7 +117,7 @@ def regular(
 
 
 def _length(period: float, depth: float, gravity: float) -> float:
-    """Of the linear wave [m]."""
+    """Length of the linear wave [m]."""
     return 2 * pi / float(dispersion.wave_number(2 * pi / period, depth, gravity))
 
 

@@ -49,7 +49,7 @@ def across(runs: Mapping[str, Run]) -> list[Check]:
 
 
 def _error(run: Run) -> FloatArray:
-    """Of the Darcy velocity at the sensor, in % of the last exact one."""
+    """Error of the Darcy velocity at the sensor, in % of the last exact one."""
     drive = run.case.fluid.acceleration
     assert drive is not None
     time, flux = run.series.time.values, run.series.velocity.sel(axis="x").isel(sensor=0).values

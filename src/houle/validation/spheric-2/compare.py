@@ -63,5 +63,5 @@ def _impulse(run: Run, name: str) -> float:
 
 
 def _mean(values: FloatArray) -> float:
-    """Of straight lines between even samples."""
+    """Mean of straight lines between even samples."""
     return float((values[1:] + values[:-1]).mean() / 2)
