@@ -145,9 +145,7 @@ class Flow:
             number, beside = np.arange(faces.size).reshape(faces.shape), []
             for axis, wraps in enumerate(self.grid.periodic):
                 wide = widened(number, axis, wraps)
-                if (
-                    axis == own and wraps
-                ):  # the first face is the last: beside both stand the second and the last but one
+                if axis == own and wraps:  # the first face is the last: the second and the last but one are beside both
                     wide[[0, -1]] = wide[[-3, 2]]
                 beside += [np.moveaxis(part, 0, axis).ravel() for part in (wide[:-2], wide[2:])]
             around = np.stack(beside, axis=1)

@@ -97,11 +97,11 @@ def shortcomings(
         yield "error", f"{has}: they have nothing in common; start = {first:.12g} makes its first time t = 0 of the run"
         return
     for beyond, where, at_end in (
-        (first - low, f"before {first:g} s", False),
-        (high - last, f"after {last:g} s", True),
+        (first - low, f"before {first:.12g} s", False),
+        (high - last, f"after {last:.12g} s", True),
     ):
         if beyond > HOLE * known.step:
-            cure = f"start = {first:g}" if not at_end else f"time.end = {last - low:g}, or a longer record"
+            cure = f"start = {first:.12g}" if not at_end else f"time.end = {last - low:g}, or a longer record"
             level: Literal["warning", "info"] = "info" if known.resting(at_end, still) else "warning"
             yield level, f"{has}: {where} {outside}; {cure}"
     yield from _holes(known, end, gap)
@@ -119,7 +119,7 @@ def _holes(known: History, end: float, gap: float | None) -> Iterator[Told]:
     more = f", nor at {others} other place{'s' if others > 1 else ''}" if others else ""
     yield (
         "error",
-        f"has no sample between {before[i] + known.start:g} and {after[i] + known.start:g} s{more}, elsewhere one "
-        f"every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow it "
+        f"has no sample between {before[i] + known.start:.12g} and {after[i] + known.start:.12g} s{more}, elsewhere "
+        f"one every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow it "
         f"with gap = {size:.3g}",
     )

@@ -164,7 +164,7 @@ def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | 
 
 
 def _first_peak(match: Real) -> int:
-    """Of the peaks of a correlation, its middle no lag, that within `ALIKE` of the highest which is nearest to it."""
+    """The peak of a correlation nearest to no lag, its middle, among those within `ALIKE` of the highest."""
     highest = match.max()
     peaks = [i for i in range(1, len(match) - 1) if match[i - 1] < match[i] >= match[i + 1]]
     peaks = [i for i in peaks if match[i] >= (1.0 - ALIKE) * highest]

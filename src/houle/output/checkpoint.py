@@ -7,7 +7,6 @@ over, and the one before is taken.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 from collections.abc import Mapping
@@ -129,7 +128,5 @@ def _prune(directory: Path, step: int) -> None:
         files = checkpoints(directory)
         current = [path for path in files if (_step(path) or 0) <= step]
         for path in set(files) - set(current[:KEPT]):
-            if path.is_dir():  # not ours
-                continue
-            with contextlib.suppress(FileNotFoundError):
-                path.unlink()
+            if not path.is_dir():  # a folder is not ours
+                path.unlink(missing_ok=True)
