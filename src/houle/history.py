@@ -120,6 +120,6 @@ def _holes(known: History, end: float, gap: float | None) -> Iterator[Told]:
     yield (
         "error",
         f"has no sample between {before[i] + known.start:.12g} and {after[i] + known.start:.12g} s{more}, elsewhere "
-        f"one every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow it "
-        f"with gap = {size:.3g}",
+        f"one every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow "
+        f"it with gap = {size:.3g}",
     )
