@@ -18,7 +18,8 @@ LAYERS = (
     {"grid", "particles", "geometry", "moments", "fields", "frame", "csv_table", "history"}
     | {"interfaces"}
     | {"case_errors", "case_files"},
-    {"resistance", "solids", "porous", "seeding", "columns", "room", "crest", "remesh", "viscosity", "workspace"}
+    {"resistance", "solids", "divided", "porous", "seeding", "columns", "room", "crest", "remesh", "viscosity"}
+    | {"workspace"}
     | {"tables", "waves", "sides"},
     {"flow", "driven", "paddle", "absorption", "transfer", "ledger"},
     {"operations", "remeshing", "observe", "exchange", "budget"},

@@ -156,7 +156,8 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
                 f"grain_diameter <= {thick / 3:.2g} m, or a and b measured on the body.{hint}",
             )
     for body in (*s.solid, *s.water):
-        thick, what = s.thickness(body), "hold water back" if body.entry in s.case.solid else "flow as water does"
+        thick, solid = s.thickness(body), body.entry in s.case.solid
+        what = "keep it so, cells that a thinner solid parts in two count as solid" if solid else "flow as water does"
         if thick < FEWEST * h * (1 - 1e-9):
             yield Finding(
                 "warning",

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
+HEAVY = 30.0  # C_r / n^2 from which on water in pores is so heavy that gravity changes next to nothing in a step
 AROUND = 4  # cells beside a gate in which the water counts that its columns can hold
 LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
 
@@ -141,18 +142,34 @@ class Flow:
         then the inertia of the ones and of the others.
         """
         found = []
-        for own, faces in enumerate(self.medium.on_faces(0) if self.porous else []):
-            number, beside = np.arange(faces.size).reshape(faces.shape), []
-            for axis, wraps in enumerate(self.grid.periodic):
-                wide = widened(number, axis, wraps)
-                if axis == own and wraps:  # the first face is the last: the second and the last but one are beside both
-                    wide[[0, -1]] = wide[[-3, 2]]
-                beside += [np.moveaxis(part, 0, axis).ravel() for part in (wide[:-2], wide[2:])]
-            around = np.stack(beside, axis=1)
-            inertia = faces.ravel()
+        for axis, faces in enumerate(self.medium.on_faces(0) if self.porous else []):
+            around, inertia = self._beside(axis), faces.ravel()
             where = np.flatnonzero((inertia[around] != inertia[:, None]).any(axis=1))
             found.append((where, around[where], inertia[where], inertia[around[where]]))
         return found
+
+    @cached_property
+    def heavy(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Faces of each axis (K,) beside a cell where C_r / n^2 is above `HEAVY`, and those beside them (K, 2 d), flat;
+        none where it nowhere is.
+        """
+        found, energy = [], self.medium.energy if self.porous else np.ones(1)
+        for axis, wraps in enumerate(self.grid.periodic if energy.max() > HEAVY else ()):
+            wide = widened(energy, axis, wraps)
+            where = np.flatnonzero(np.moveaxis(np.maximum(wide[:-1], wide[1:]) > HEAVY, 0, axis))
+            found.append((where, self._beside(axis)[where]))
+        return found
+
+    def _beside(self, own: int) -> NDArray[np.int64]:
+        """The faces beside each one of an axis (faces, 2 d), along each axis before and after it, flat numbers."""
+        shape, beside = self.grid.face_shape(own), []
+        number = np.arange(math.prod(shape)).reshape(shape)
+        for axis, wraps in enumerate(self.grid.periodic):
+            wide = widened(number, axis, wraps)
+            if axis == own and wraps:  # the first face is the last: the second and the last but one are beside both
+                wide[[0, -1]] = wide[[-3, 2]]
+            beside += [np.moveaxis(part, 0, axis).ravel() for part in (wide[:-2], wide[2:])]
+        return np.stack(beside, axis=1)
 
     @cached_property
     def at_interface(self) -> NDArray[np.bool_]:
@@ -279,7 +296,7 @@ class Flow:
         """What forces and pressure added to each face, for FLIP: new - drag * old, carried outwards like velocities."""
         change = [n - d * o for n, d, o in zip(self.velocity, self.drag, self.old_velocity, strict=True)]
         known = [(v == 1).astype(np.uint8) for v in self.work.valid]
-        _core.extrapolate(self.grid.core, 6, 2, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
+        _core.extrapolate(self.grid.core, 6, 1, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
         return change
 
     def kinetic_energy(self) -> float:

@@ -173,6 +173,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     core, tolerance = flow.grid.core, flow.tolerance / dt
     work = flow.work
     system = (work.coefficient, work.dirichlet, work.rhs)
+    star = [u.copy() for u in flow.velocity] if flow.heavy else []
     own_sides = [_join_sides(flow, axis, faces) for axis, faces in enumerate(flow.medium.shared)]
     _core.pressure_system(
         core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.velocity, LEAST_DEPTH, *system
@@ -200,6 +201,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
         plane.impose(flow)
     own = [u.ravel()[where] for u, (where, *_) in zip(flow.velocity, flow.edges, strict=False)]
     _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
+    _carry_changes(flow, star)
     _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
     _limit_carried(flow, own)
     if flow.medium.closed_faces:
@@ -226,6 +228,23 @@ def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) 
     now, closed = u[faces.face], flow.open_faces[axis].ravel()[faces.face] == 0.0
     u[faces.face] = np.where(closed, now, own + own_mobility / joint_mobility * (now - joint))
     mobility[faces.face] = own_mobility
+
+
+def _carry_changes(flow: Flow, star: list[FloatArray]) -> None:
+    """In heavy pores water just beyond the pressure takes the change that this makes beside it, and not the velocity; a
+    cell further out it keeps its own, `star`.
+
+    Gravity changes next to nothing there in a step: a velocity carried outwards again and again grew without a force,
+    by 5 % a step in a film that fell through n = 0.2.
+    """
+    for axis, (where, around) in enumerate(flow.heavy):
+        u, own, valid = flow.velocity[axis].ravel(), star[axis].ravel(), flow.work.valid[axis].ravel()
+        wet = flow.work.face_mass[axis].ravel()[where] > SPRAY * flow.grid.cell_volume
+        beyond = wet & ((valid[where] == 2) | (valid[where] == 3))
+        face, beside = where[beyond], around[beyond]
+        known = valid[beside] == 1
+        change = np.where(known, u[beside] - own[beside], 0.0).sum(axis=1) / np.maximum(known.sum(axis=1), 1)
+        u[face] = own[face] + change
 
 
 def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from houle.divided import thickened
 from houle.geometry import Shape, Span, covers, layers, section
 from houle.grid import Faces, FloatArray, Grid, SingleFaces, beside, fixed, seen, widened
 from houle.interfaces import Interfaces, Shared, stand_along
@@ -104,7 +105,11 @@ class Medium:
     def build(
         cls, grid: Grid, bodies: Sequence[PorousBody] = (), solids: Sequence[Shape] = (), settles: bool = True
     ) -> Medium:
-        """The medium of these bodies and solids; clear water where there are none. settles: see the class."""
+        """The medium of these bodies and solids, thickened where they divide cells; clear water where there are none.
+
+        settles: see the class.
+        """
+        solids = thickened(grid, solids)
         parts = partition(grid, bodies, solids)
         sections = [(span, area) for span, area, _ in parts]
         solid = Measure.of(grid, sections)
@@ -148,7 +153,7 @@ class Medium:
         return cls(
             grid=grid,
             bodies=tuple(bodies),
-            solids=tuple(solids),
+            solids=solids,
             kind=fixed(kind),
             kinds=dict(zip(fields, np.ascontiguousarray(kinds.T), strict=True)),
             open_faces=open_faces,

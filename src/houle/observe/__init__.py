@@ -55,7 +55,8 @@ class Observers:
         names = [b.name for b in case.porous]
         if entry.body in names:
             return BodyLoad(flow, names.index(entry.body), about)
-        return SurfaceLoad(flow, patches_of_solid(flow, _body_shape(case, entry.body)), about)
+        solid = flow.medium.solids[[b.name for b in case.solid].index(entry.body)]
+        return SurfaceLoad(flow, patches_of_solid(flow, solid), about)
 
     def sample(self) -> dict[str, FloatArray]:
         """What is observed now; names and units in fields.py. Without gauges or sensors theirs are empty."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from houle.divided import Thickened, behind_plates, on_their_side
 from houle.flow import Flow
 from houle.geometry import Shape
 from houle.grid import FloatArray
@@ -79,24 +80,61 @@ class Gauges:
     """Level of the free surface [m] above z = 0 at places in plan (N, d - 1), linear between columns; NaN when dry.
 
     A level is where water is, never inside a solid: under one whose room below is full it is the underside, where
-    water stands on it the level of that. Water that is confined beside a place has no level there.
+    water stands on it the level of that. Water that is confined beside a place has no level there, nor has water behind
+    a plate.
     """
 
     def __init__(self, flow: Flow, places: Sequence[Sequence[float]]) -> None:
         points = np.array(places, float).reshape(-1, flow.grid.dimension - 1)
+        points = _beside_plates(flow, points)
         column, self.weight = around(points, flow.grid)
         number, at = np.unique(column, return_inverse=True)
         self.columns, self.at = Columns(flow, number), at.reshape(column.shape)
         self.solids = SolidsAt(flow.grid, flow.medium, points)
+        self.hidden, self.spacing = _hidden(flow, points, column), flow.grid.spacing[-1]
 
     def levels(self, flow: Flow) -> FloatArray:
         level, confined, _ = self.columns.levels(flow)
-        level, confined = level[self.at], confined[self.at]
+        level, confined = level[self.at], confined[self.at] | self._behind(level[self.at])
         free = np.where(confined, 0.0, self.weight)
         share = free.sum(axis=1, keepdims=True)
         left_out = confined.any(axis=1, keepdims=True) & (share > 0.0)
         found = mean_of_known(level, np.where(left_out, free / np.where(left_out, share, 1.0), self.weight))
         return outside(self.solids, found, level, self.weight)
+
+    def _behind(self, level: FloatArray) -> NDArray[np.bool_]:
+        """Which of the columns (N, K) around have their level [m] behind a plate."""
+        row = np.clip(np.nan_to_num(level) // self.spacing, 0, self.hidden.shape[2] - 1).astype(np.intp)
+        return np.take_along_axis(self.hidden, row[..., None], axis=2)[..., 0]
+
+
+def _hidden(flow: Flow, places: FloatArray, column: Indices) -> NDArray[np.bool_]:
+    """Whether a thin solid stands between places (N, d - 1) and columns (N, K) around them, in each row: (N, K, nz)."""
+    grid = flow.grid
+    centre = grid.points().reshape(-1, grid.shape[-1], grid.dimension)
+    found = np.zeros((*column.shape, grid.shape[-1]), bool)
+    if flow.medium.solids:
+        for k, z in enumerate(grid.axis_points(grid.dimension - 1)):
+            here = np.column_stack([places, np.full(len(places), z)])
+            found[..., k] = behind_plates(grid, flow.medium.solids, here, centre[:, k][column])
+    return found
+
+
+def _beside_plates(flow: Flow, places: FloatArray) -> FloatArray:
+    """The places (N, d - 1) in plan; those in cells that a thin solid divides moved to the water on their side of it,
+    which is told halfway up these cells.
+    """
+    found, spacing = places.copy(), min(flow.grid.spacing)
+    for solid in flow.medium.solids:
+        if not isinstance(solid, Thickened):
+            continue
+        ends = np.array([cell.bounds for cell in solid.windows.parts])  # lower and upper corners
+        for i, place in enumerate(places):
+            over = ((ends[:, 0, :-1] <= place) & (place <= ends[:, 1, :-1])).all(axis=1)
+            if over.any():
+                height = np.sort(ends[over, :, -1].mean(axis=1))[over.sum() // 2]
+                found[i] = on_their_side([solid], np.array([[*place, height]]), spacing)[0, :-1]
+    return found
 
 
 class Profile:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from houle import _core
+from houle.divided import behind_plates, on_their_side
 from houle.flow import Flow
 from houle.grid import FloatArray, Grid
 from houle.observe.profile import around
@@ -45,16 +46,22 @@ class Sensors:
 
     What is interpolated, linearly, is the part of the pressure beyond that of water at rest, p/rho - g.x: it has no
     gradient towards a fixed wall, and goes on above the last cell of the water to the surface. A dry sensor reads 0.
+    One on a thin plate reads the water on its side (`houle.divided`).
     """
 
     def __init__(self, flow: Flow, points: FloatArray) -> None:
         grid, g = flow.grid, still_gravity(flow)
-        self.points = np.array(points, float).reshape(-1, grid.dimension)
-        self.cell, self.weight = around(self.points, grid)
-        self.weight = np.where(flow.medium.open_cells.ravel()[self.cell] > 0.0, self.weight, 0.0)
+        points = np.array(points, float).reshape(-1, grid.dimension)
+        self.seen = on_their_side(flow.medium.solids, points, min(grid.spacing))
+        self.cell, self.weight = around(self.seen, grid)
+        open_ = flow.medium.open_cells.ravel()[self.cell] > 0.0
+        hidden = behind_plates(
+            grid, flow.medium.solids, self.seen, grid.points().reshape(-1, grid.dimension)[self.cell]
+        )
+        self.weight = np.where(open_ & ~hidden, self.weight, 0.0)
         self.below = cell_below(self.cell, grid)
         rest = (grid.points() @ g).ravel()
-        self.rest, self.rest_here, self.rest_below = self.points @ g, rest[self.cell], rest[self.below]
+        self.rest, self.rest_here, self.rest_below = points @ g, rest[self.cell], rest[self.below]
 
     def pressure(self, flow: Flow) -> FloatArray:
         """Kinematic, p/rho (N,) [m2/s2]."""
@@ -69,4 +76,4 @@ class Sensors:
         return np.where(total > 0.0, np.where(at_surface, np.maximum(found, 0.0), found), 0.0)
 
     def velocity(self, flow: Flow) -> FloatArray:
-        return velocity_at(flow, self.points)
+        return velocity_at(flow, self.seen)
