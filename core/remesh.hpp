@@ -58,6 +58,32 @@ inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, con
   });
 }
 
+// Which of the nodes around a particle it can give to, one bit for each place on the axes, the first axis first: those
+// that open half cells join with its own among them. So nothing is given through a plate, nor past the corner of one.
+template <int D>
+inline std::uint64_t joined(const Lattice<D>& l, const Pores<D>& pores, const LatticeStencil<D>& s, index home) {
+  constexpr int count = 1 << 2 * D;
+  const auto bit = [](int place) { return std::uint64_t{1} << place; };
+  std::uint64_t open = 0, reached = 0, ends[2][D] = {};  // ends: the first and the last place on each axis
+  int place = 0;
+  s.each([&](index node, double, const int* k) {
+    if (!pores.closed(l, node)) open |= bit(place);
+    if (node == home && !reached) reached = bit(place);
+    for (int a = 0; a < D; ++a)
+      if (k[a] == 0 || k[a] == 3) ends[k[a] / 3][a] |= bit(place);
+    ++place;
+  });
+  if (open == ~std::uint64_t{0} >> (64 - count)) return open;
+  for (std::uint64_t before = 0; before != reached;) {
+    before = reached;
+    for (int a = 0; a < D; ++a) {
+      const int step = 1 << 2 * (D - 1 - a);
+      reached |= open & ((before & ~ends[1][a]) << step | (before & ~ends[0][a]) >> step);
+    }
+  }
+  return reached;
+}
+
 // Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is.
 // Where the porosity varies among them they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay
 // full. A particle among nodes that differ so much that the negative lobes of M4' outweigh the rest gives to one.
@@ -72,12 +98,12 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
 
   const std::int32_t* number = receivers.number.data();
   const double* porosity = receivers.porosity.empty() ? nullptr : receivers.porosity.data();
-  const auto sees = [=](index node) { return number[node] >= 0; };
+  const auto receives = [=](index node) { return number[node] >= 0; };
   const auto room = [=](index node) { return porosity ? porosity[number[node]] : 1.0; };
-  const double own = sees(home) ? room(home) : pores.porosity(l, home);
+  const double own = receives(home) ? room(home) : pores.porosity(l, home);
   bool all = true;
   const Aside<D> aside(l, pores, s, x);
-  s.each([&](index node, double, const int*) { all = all && sees(node) && room(node) == own; });
+  s.each([&](index node, double, const int*) { all = all && receives(node) && room(node) == own; });
   if (all && !aside.at) {
     for (int a = 0; a < D; ++a)
       for (int k = 0; k < 4; ++k) g.moment[a] -= g.volume * s.w[a][k] * s.reach[a][k];
@@ -85,11 +111,17 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
     return true;
   }
 
+  const std::uint64_t within = joined(l, pores, s, home);
+  const auto sees = [=](index node, const int* k) {
+    int place = 0;
+    for (int a = 0; a < D; ++a) place = 4 * place + k[a];
+    return number[node] >= 0 && (within >> place & 1) != 0;
+  };
   double sum = 0, seen = 0, centre[D] = {}, nearest = 1;
   index nearest_node = -1;
   int nearest_k[D];
   s.each([&](index node, double w, const int* k) {
-    if (!sees(node)) return;
+    if (!sees(node, k)) return;
     seen += w;
     w *= room(node);
     sum += w;
@@ -107,8 +139,8 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   if (seen > remesh::see && sum > remesh::weigh * seen * own) {
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
     if (aside.at && pores.along) give_along(receivers, aside, x, g, room, nodes);
-    s.each([=](index node, double w, const int*) {
-      if (sees(node)) nodes[number[node]].take(w * room(node) / sum, g);
+    s.each([=](index node, double w, const int* k) {
+      if (sees(node, k)) nodes[number[node]].take(w * room(node) / sum, g);
     });
     return true;
   }
