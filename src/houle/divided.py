@@ -161,6 +161,13 @@ def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: 
     return int((size > CRUMB * window * width.sum()).sum()) > 1
 
 
+def added(grid: Grid, solids: Sequence[Shape], y: float) -> list[Box]:
+    """The windows that count as solid besides what is drawn, those at a y in 3D: for pictures."""
+    whole = [solid for solid in thickened(grid, solids) if isinstance(solid, Thickened)]
+    boxes = [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
+    return [box for box in boxes if grid.dimension == 2 or box.lower[1] <= y <= box.upper[1]]
+
+
 def on_their_side(solids: Sequence[Shape], points: FloatArray, spacing: float) -> FloatArray:
     """Where to look for the water beside points (N, d) [m] on or beside a thin solid: those that lie in a window which
     it parts, moved out of that, away from the solid as it is drawn.

@@ -25,12 +25,13 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT
-from matplotlib.patches import Polygon
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
+from houle.geometry import Box
 from houle.grid import Grid
 from houle.output.atomic import replacing
 
@@ -320,6 +321,13 @@ def draw_bodies(
         _names(panel, [body for body in porous if body.words])
     for body in solid:
         panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
+
+
+def draw_thickened(panel: Axes, windows: Sequence[Box]) -> None:
+    """What counts as solid around thin ones, paler than these."""
+    for window in windows:
+        (x0, *_, z0), (x1, *_, z1) = window.lower, window.upper
+        panel.add_patch(Rectangle((x0, z0), x1 - x0, z1 - z0, fc=SOLID, ec="none", alpha=0.6, zorder=3.9))
 
 
 def _names(panel: Axes, named: Sequence[Body]) -> None:

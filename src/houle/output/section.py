@@ -11,7 +11,9 @@ from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
+from houle.divided import added
 from houle.frame import Frame
+from houle.geometry import shape_of
 from houle.grid import FloatArray, Grid
 from houle.output import drawing
 from houle.output.drawing import Sheet, sheet
@@ -31,6 +33,7 @@ class Section:
         self.y = float(grid.axis_points(1)[grid.shape[1] // 2]) if grid.dimension == 3 else 0.0
         self.porous = drawing.bodies(case.porous, grid, self.y)
         self.solid = drawing.bodies(case.solid, grid, self.y)
+        self.thickened = added(grid, [shape_of(entry, grid.dimension) for entry in case.solid], self.y)
         tops = [float(body.outline[:, 1].max()) for body in (*self.porous, *self.solid)]
         self.bands = drawing.bands(case, self.y)
         highest = max([*(float(level) for level in levels), *tops], default=0.0)
@@ -73,6 +76,7 @@ class Section:
         """Everything that stands still, and the gates as they are at this time [s], which are returned."""
         panel.set(xlim=(0, self.grid.size[0]), ylim=(self.floor, self.height))
         panel.spines["right"].set_visible(True)
+        drawing.draw_thickened(panel, self.thickened)
         drawing.draw_bodies(panel, self.porous, self.solid, over=over)
         if self.waves:
             drawing.draw_still_water(panel, self.still_water)
