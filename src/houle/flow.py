@@ -293,8 +293,8 @@ class Flow:
     # ---- derived -------------------------------------------------------------------------------------------------
 
     def velocity_change(self) -> Faces:
-        """What forces and pressure added to each face, for FLIP: new - drag * old, carried out as far as particles under
-        a flat surface see it, one layer with the linear kernel.
+        """What forces and pressure added to each face, for FLIP: new - drag * old, carried outwards as far as particles
+        under a flat surface see it: one layer with the linear kernel.
         """
         near = 1 if self.kernel == "linear" else 2
         change = [n - d * o for n, d, o in zip(self.velocity, self.drag, self.old_velocity, strict=True)]
