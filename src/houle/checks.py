@@ -157,7 +157,7 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
             )
     for body in (*s.solid, *s.water):
         thick, solid = s.thickness(body), body.entry in s.case.solid
-        what = "keep it so, cells that a thinner solid parts in two count as solid" if solid else "flow as water does"
+        what = "keep its form, below 1 it is made one thick" if solid else "flow as water does"
         if thick < FEWEST * h * (1 - 1e-9):
             yield Finding(
                 "warning",
