@@ -34,15 +34,51 @@ struct Aside {
   }
 };
 
+// The nodes around a particle that it can give to: those that open half cells join with its own among them. So nothing
+// is given through a plate, nor past the corner of one. A set of bits, one for each place on the axes, the last axis
+// first.
+template <int D>
+struct Joined {
+  std::uint64_t places = 0;
+
+  Joined(const Lattice<D>& l, const Pores<D>& pores, const LatticeStencil<D>& s, index home) {
+    std::uint64_t open = 0, ends[2][D] = {};  // ends: the first and the last place on each axis
+    s.each([&](index node, double, const int* k) {
+      if (!pores.closed(l, node)) open |= bit(k);
+      if (node == home) places |= bit(k);  // its mirror images, and what repeats it, too
+      for (int a = 0; a < D; ++a)
+        if (k[a] == 0 || k[a] == 3) ends[k[a] / 3][a] |= bit(k);
+    });
+    if (open == ~std::uint64_t{0} >> (64 - (1 << 2 * D))) {
+      places = open;
+      return;
+    }
+    for (std::uint64_t before = 0; before != places;) {
+      before = places;
+      for (int a = 0; a < D; ++a) {
+        const int step = 1 << 2 * (D - 1 - a);
+        places |= open & ((before & ~ends[1][a]) << step | (before & ~ends[0][a]) >> step);
+      }
+    }
+  }
+  bool has(const int* k) const { return (places & bit(k)) != 0; }
+  static std::uint64_t bit(const int* k) {
+    int place = 0;
+    for (int a = 0; a < D; ++a) place = 4 * place + k[a];
+    return std::uint64_t{1} << place;
+  }
+};
+
 // Takes the momentum along the interface out of what a particle at x has to give, and gives it to the nodes of its own
-// side; where hardly any of those receive it stays with the rest.
+// side; where hardly any of those receive it stays with the rest. joined: of the nodes of `aside`.
 template <int D, class Room>
-inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, const double* x, Gathered<D>& g, Room room,
-                       Gathered<D>* nodes) {
+inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, const Joined<D>& joined, const double* x,
+                       Gathered<D>& g, Room room, Gathered<D>* nodes) {
   const std::int32_t* number = receivers.number.data();
+  const auto sees = [&](index node, const int* k) { return number[node] >= 0 && joined.has(k); };
   double sum = 0, all = 0;
   aside.nodes.each([&](index node, double w, const int* k) {
-    if (number[node] < 0) return;
+    if (!sees(node, k)) return;
     all += std::abs(w) * room(node);
     if (aside.has(x, k)) sum += w * room(node);
   });
@@ -53,35 +89,9 @@ inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, con
     g.momentum[a] -= along[a];
   }
   aside.nodes.each([&](index node, double w, const int* k) {
-    if (number[node] < 0 || !aside.has(x, k)) return;
+    if (!sees(node, k) || !aside.has(x, k)) return;
     for (int a = 0; a < D; ++a) nodes[number[node]].momentum[a] += w * room(node) / sum * along[a];
   });
-}
-
-// Which of the nodes around a particle it can give to, one bit for each place on the axes, the first axis first: those
-// that open half cells join with its own among them. So nothing is given through a plate, nor past the corner of one.
-template <int D>
-inline std::uint64_t joined(const Lattice<D>& l, const Pores<D>& pores, const LatticeStencil<D>& s, index home) {
-  constexpr int count = 1 << 2 * D;
-  const auto bit = [](int place) { return std::uint64_t{1} << place; };
-  std::uint64_t open = 0, reached = 0, ends[2][D] = {};  // ends: the first and the last place on each axis
-  int place = 0;
-  s.each([&](index node, double, const int* k) {
-    if (!pores.closed(l, node)) open |= bit(place);
-    if (node == home && !reached) reached = bit(place);
-    for (int a = 0; a < D; ++a)
-      if (k[a] == 0 || k[a] == 3) ends[k[a] / 3][a] |= bit(place);
-    ++place;
-  });
-  if (open == ~std::uint64_t{0} >> (64 - count)) return open;
-  for (std::uint64_t before = 0; before != reached;) {
-    before = reached;
-    for (int a = 0; a < D; ++a) {
-      const int step = 1 << 2 * (D - 1 - a);
-      reached |= open & ((before & ~ends[1][a]) << step | (before & ~ends[0][a]) >> step);
-    }
-  }
-  return reached;
 }
 
 // Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is.
@@ -111,12 +121,8 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
     return true;
   }
 
-  const std::uint64_t within = joined(l, pores, s, home);
-  const auto sees = [=](index node, const int* k) {
-    int place = 0;
-    for (int a = 0; a < D; ++a) place = 4 * place + k[a];
-    return number[node] >= 0 && (within >> place & 1) != 0;
-  };
+  const Joined<D> joined(l, pores, s, home);
+  const auto sees = [=](index node, const int* k) { return receives(node) && joined.has(k); };
   double sum = 0, seen = 0, centre[D] = {}, nearest = 1;
   index nearest_node = -1;
   int nearest_k[D];
@@ -138,7 +144,10 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   });
   if (seen > remesh::see && sum > remesh::weigh * seen * own) {
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
-    if (aside.at && pores.along) give_along(receivers, aside, x, g, room, nodes);
+    if (aside.at && pores.along) {
+      const Joined<D> own_side(l, pores, aside.nodes, home);
+      give_along(receivers, aside, own_side, x, g, room, nodes);
+    }
     s.each([=](index node, double w, const int* k) {
       if (sees(node, k)) nodes[number[node]].take(w * room(node) / sum, g);
     });
