@@ -153,9 +153,18 @@ class Lattice:
                 got[node].take(w, v, v / porosity[p], v * velocity[p], -v * centre)
         return got, stayed
 
+    def joined(self, nodes, home):
+        """Which of the 4^d nodes of a stencil open half cells join with the home among them."""
+        places = list(itertools.product(range(4), repeat=self.d))
+        open_ = {place for place, node in zip(places, nodes, strict=True) if self.pores[node] > 0}
+        found = {place for place, node in zip(places, nodes, strict=True) if node == home}
+        while new := {place for place in open_ - found for at in found if np.abs(np.subtract(place, at)).sum() == 1}:
+            found |= new
+        return [place in found for place in places]
+
     def shares(self, x, nodes, receives):
-        own = self.pores[self.half_cell(x)]
-        seen = [part for part in nodes if own > 0 and receives[part[0]]]
+        own, joined = self.pores[self.half_cell(x)], self.joined([node for node, _, _ in nodes], self.half_cell(x))
+        seen = [part for part, near in zip(nodes, joined, strict=True) if own > 0 and near and receives[part[0]]]
         plain = sum(w for _, w, _ in seen)
         alike = len(seen) == len(nodes) and all(self.pores[node] == own for node, _, _ in seen)
         if not alike:
