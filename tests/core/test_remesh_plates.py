@@ -20,7 +20,7 @@ from houle.remesh import Conservative
 
 
 class Plated:
-    """A tank of cells of size 1 with a plate .6 thick across an axis, perhaps off the walls, perhaps in a porous body."""
+    """A tank of cells of size 1 with a plate .6 thick across an axis, perhaps in a porous body."""
 
     def __init__(self, seed: int, d: int) -> None:
         self.random = r = np.random.default_rng(seed)

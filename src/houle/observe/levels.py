@@ -110,14 +110,11 @@ class Gauges:
 
 def _hidden(flow: Flow, places: FloatArray, column: Indices) -> NDArray[np.bool_]:
     """Whether a thin solid stands between places (N, d - 1) and columns (N, K) around them, in each row: (N, K, nz)."""
-    grid = flow.grid
-    centre = grid.points().reshape(-1, grid.shape[-1], grid.dimension)
-    found = np.zeros((*column.shape, grid.shape[-1]), bool)
-    if flow.medium.solids:
-        for k, z in enumerate(grid.axis_points(grid.dimension - 1)):
-            here = np.column_stack([places, np.full(len(places), z)])
-            found[..., k] = behind_plates(grid, flow.medium.solids, here, centre[:, k][column])
-    return found
+    grid, d, nz, (n, k) = flow.grid, flow.grid.dimension, flow.grid.shape[-1], column.shape
+    there = np.swapaxes(grid.points().reshape(-1, nz, d)[column], 1, 2)  # (N, nz, K, d)
+    here = np.concatenate([np.repeat(places[:, None], nz, axis=1), there[:, :, 0, -1:]], axis=2)
+    found = behind_plates(grid, flow.medium.solids, here.reshape(-1, d), there.reshape(-1, k, d))
+    return np.swapaxes(found.reshape(n, nz, k), 1, 2)
 
 
 def _beside_plates(flow: Flow, places: FloatArray) -> FloatArray:
