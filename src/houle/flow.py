@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
-HEAVY = 30.0  # C_r / n^2 from which on water in pores is so heavy that gravity changes next to nothing in a step
+HEAVY = (
+    30.0  # K / n^2 (`Medium`) from which on water in pores is so heavy that gravity changes next to nothing in a step
+)
 AROUND = 4  # cells beside a gate in which the water counts that its columns can hold
 LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
 
@@ -150,7 +152,7 @@ class Flow:
 
     @cached_property
     def heavy(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Faces of each axis (K,) beside a cell where C_r / n^2 is above `HEAVY`, and those beside them (K, 2 d), flat;
+        """Faces of each axis (K,) beside a cell where K / n^2 is above `HEAVY`, and those beside them (K, 2 d), flat;
         none where it nowhere is.
         """
         found, energy = [], self.medium.energy if self.porous else np.ones(1)

@@ -231,8 +231,10 @@ def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) 
 
 
 def _carry_changes(flow: Flow, star: list[FloatArray]) -> None:
-    """In heavy pores water just beyond the pressure takes the change that this makes beside it, and not the velocity; a
-    cell further out it keeps its own, `star`.
+    """In heavy pores (`Flow.heavy`) the faces just beyond the pressure keep their own velocity and take the change that
+    the pressure made in those beside them; a layer further out they keep their own.
+
+    star: velocities on the faces before the projection; empty where no pores are heavy.
 
     Gravity changes next to nothing there in a step: a velocity carried outwards again and again grew without a force,
     by 5 % a step in a film that fell through n = 0.2.
