@@ -154,5 +154,14 @@ def _with_images(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
     return area
 
 
+def repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
+    """The area of a section with its copies on both sides of the domain along periodic axes."""
+    for a, axis in ((0, 0), (1, -1)):
+        if grid.periodic[axis] and not area.is_empty:
+            shift = grid.size[axis] * np.eye(2)[a]
+            area = shapely.union_all([area, *(_moved(area, np.ones(2), side * shift) for side in (-1, 1))])
+    return area
+
+
 def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
     return shapely.transform(area, lambda points: factor * points + shift)

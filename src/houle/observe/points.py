@@ -52,7 +52,7 @@ class Sensors:
     def __init__(self, flow: Flow, points: FloatArray) -> None:
         grid, g = flow.grid, still_gravity(flow)
         points = np.array(points, float).reshape(-1, grid.dimension)
-        self.seen = on_their_side(flow.medium.solids, points, min(grid.spacing))
+        self.seen = on_their_side(grid, flow.medium.solids, points)
         self.cell, self.weight = around(self.seen, grid)
         open_ = flow.medium.open_cells.ravel()[self.cell] > 0.0
         hidden = behind_plates(
