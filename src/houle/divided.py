@@ -118,11 +118,11 @@ def parted_windows(grid: Grid, solids: Sequence[Shape], shift: Sequence[float]) 
 
 def _lines(grid: Grid, axis: int, shift: float) -> FloatArray:
     """Ends of the windows along an axis [m]; the first one of a periodic axis begins before its seam."""
-    inner = (np.arange(grid.shape[axis] + 1) + shift) * grid.spacing[axis]
+    inner = np.array((np.arange(grid.shape[axis] + 1) + shift) * grid.spacing[axis], float)
     if shift == 0.0:
         return inner
     if grid.periodic[axis]:
-        return inner - grid.spacing[axis]
+        return np.array(inner - grid.spacing[axis], float)
     return np.array([0.0, *inner[:-1], grid.size[axis]], float)
 
 
