@@ -10,6 +10,8 @@ import pytest
 from situations import simulation
 
 from campaigns.geometries import random_case, run
+from houle import load
+from houle.checks import check
 from houle.divided import Thickened
 
 H = 0.03
@@ -235,3 +237,17 @@ def test_water_beside_the_tip_of_a_wedge_gains_no_energy(number):
     """Above and below it the cell that the tip divides was one: 15 % of the energy there was in one step."""
     outcome = run(random_case(11, number))
     assert not outcome.failure and outcome.most < 0.5
+
+
+def test_a_passage_that_plates_close_is_told_and_water_that_they_leave_none_of_is_refused():
+    """Between two plates of a maze half a cell apart; and water drawn there only, which ended in a traceback."""
+    left, right = {"box": [[0.4863, 0.0], [0.4893, 0.3]]}, {"box": [[0.505, 0.06], [0.508, 0.36]]}
+    told = [f for f in check(load(pools({}, solid=[left, right]))) if "passage" in f.text]
+    assert [f.level for f in told] == ["warning"]
+
+    between = [{"box": [[0.4893, 0.0], [0.505, 0.2]]}]
+    told = [f for f in check(load(pools({}, solid=[left, right], water=between))) if f.level == "error"]
+    assert [f.key for f in told] == ["domain.spacing"] and "leaves no water" in told[0].text
+
+    apart = {"box": [[0.6, 0.06], [0.603, 0.36]]}
+    assert not [f for f in check(load(pools({}, solid=[left, apart]))) if "passage" in f.text]
