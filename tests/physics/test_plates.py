@@ -219,6 +219,14 @@ def test_instruments_on_a_plate_read_the_water_on_their_side(place):
     assert found["force"][0, 0] == pytest.approx(0.5 * rho * g * (0.27**2 - 0.12**2), rel=3e-3)
 
 
+def test_a_sensor_on_a_plate_above_the_water_reads_nothing():
+    """Beneath a lid that slopes it looks for water away from that, which is down: a suction of 200 Pa before."""
+    lid = {"polygon": [[0.0, 0.0654], [0.96, 0.2323], [0.96, 0.2364], [0.0, 0.0695]]}
+    places = [[x, 0.0653 + 0.1739 * x] for x in np.linspace(0.02, 0.3, 40)]
+    sim = simulation(pools(lid, water=[{"below": 0.06}], sensor=[{"at": place} for place in places]))
+    np.testing.assert_array_equal(sim.observers.sample()["pressure"], 0.0)
+
+
 def test_solids_thicker_than_a_cell_are_as_they_are_drawn():
     """A block off the lines, a slope, a sill with corners: nothing is added; a plate gets one cell, its tip too."""
     block, slope = {"box": [[0.31, 0.0], [0.347, 0.2]]}, {"polygon": [[0.6, 0.0], [0.96, 0.0], [0.96, 0.21]]}
