@@ -93,7 +93,8 @@ def parted_windows(grid: Grid, solids: Sequence[Shape], shift: Sequence[float]) 
     spans, lines = layers(grid, solids), (_lines(grid, 0, shift[0]), _lines(grid, -1, shift[-1]))
     areas = [repeated(grid, section(grid, solids, span)) for span in spans]
     blocks = [_blocks(area, lines) for area in areas]
-    closed = [_blocks(area, lines) for area in _without_slits(grid, spans, areas)]
+    closed = _without_slits(grid, spans, areas)
+    apart = [_blocks(c, lines) if _has_slits(grid, c, a) else [] for c, a in zip(closed, areas, strict=True)]
     edges_in = [_edges_in(grid, area, lines, (shift[0], shift[-1])) for area in areas]
     for number, width, y in _stacks(grid, spans, shift[1]):
         if len(number) == 1:
@@ -103,12 +104,12 @@ def parted_windows(grid: Grid, solids: Sequence[Shape], shift: Sequence[float]) 
         at = np.argwhere(where)
         window = [_window(lines, i, k) for i, k in at]
         open_ = [shapely.difference(window, [blocks[n][i] for i, _ in at]) for n in number]
-        wide = [
-            shapely.difference(_plain(found), [closed[n][i] for i, _ in at])
+        least = BEHIND * shapely.area(window)
+        parts = [
+            _parts(found, [apart[n][i] for i, _ in at if apart[n]], least)
             for n, found in zip(number, open_, strict=True)
         ]
-        for box, found, apart in zip(window, zip(*open_, strict=True), zip(*wide, strict=True), strict=True):
-            layer = [_split(*both, BEHIND * box.area) for both in zip(found, apart, strict=True)]
+        for box, found, layer in zip(window, zip(*open_, strict=True), zip(*parts, strict=True), strict=True):
             if _is_parted(layer, width, box.area):
                 solid = next(spans[n] for n, part in zip(number, found, strict=True) if part.area < box.area)
                 (x0, z0, x1, z1), (low, high) = box.bounds, (((end,) if grid.dimension == 3 else ()) for end in y)
@@ -183,14 +184,33 @@ def _buffer(area: shapely.Geometry, radius: float) -> shapely.Geometry:
     return shapely.buffer(area, radius, join_style="mitre", mitre_limit=BEVEL)
 
 
-def _plain(areas: Sequence[shapely.Geometry]) -> list[shapely.Geometry]:
+def _plain(areas: Iterable[shapely.Geometry]) -> list[shapely.Geometry]:
     """The areas, without the lines and points in which shapes may touch."""
     return [shapely.multipolygons(polygons(area)) for area in areas]
 
 
-def _split(open_: shapely.Geometry, wide: shapely.Geometry, least: float) -> NDArray[np.object_]:
+def _has_slits(grid: Grid, closed: shapely.Geometry, area: shapely.Geometry) -> bool:
+    least = CRUMB * grid.spacing[0] * grid.spacing[-1]
+    return bool((shapely.area(polygons(shapely.difference(closed, area))) > least).any())
+
+
+def _parts(open_: NDArray[np.object_], closed: list[shapely.Geometry], least: FloatArray) -> list[NDArray[np.object_]]:
+    """The polygons of the open space (W,) of windows; those that only slits join each, where there are some.
+
+    closed: the solids at each window without their slits, none if they have none; least (W,) [m2]: less behind a slit
+    is none.
+    """
+    one = (shapely.get_type_id(open_) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(open_)
+    whole = [open_[w : w + 1] if one[w] else polygons(area) for w, area in enumerate(open_)]
+    if not closed:
+        return whole
+    wide = shapely.difference(_plain(open_), closed)
+    return [_split(*each) for each in zip(whole, wide, least, strict=True)]
+
+
+def _split(whole: NDArray[np.object_], wide: shapely.Geometry, least: float) -> NDArray[np.object_]:
     """The polygons of the open space of a window, those that only a slit joins each; `wide` is without slits."""
-    whole, parts = polygons(open_), polygons(wide)
+    parts = polygons(wide)
     parts = parts[shapely.area(parts) > least]
     if len(parts) < 2:
         return whole
