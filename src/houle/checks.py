@@ -15,14 +15,16 @@ from math import sqrt
 from typing import Literal
 
 import numpy as np
+import shapely
 
 from houle import laboratory
 from houle.case import Case
 from houle.case_errors import guess, metres, place, several, show
 from houle.case_files import is_file
 from houle.ceiling import first_rows, memory
+from houle.divided import NEAR
 from houle.errors import CaseError
-from houle.geometry import enclosed
+from houle.geometry import enclosed, layers, polygons, section
 from houle.grid import MOST_NUMBERS, axes
 from houle.layout import Finding, Section
 from houle.open_checks import open_sides_fit
@@ -165,6 +167,46 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
                 f"is {thick:.3g} m thick, {thick / h:.1f} spacings of {h:.3g} m: {FEWEST:g} or more {what}, "
                 f"domain.spacing = {thick / FEWEST:.2g}",
             )
+
+
+def thin_solids(s: Section) -> Iterator[Finding]:
+    """What counts as solid around thin ones leaves water, and closes no passage."""
+    if not s.windows.parts:
+        return
+    h, passage = max(s.grid.spacing), None
+    dry = True
+    for y in layers(s.grid, [*(b.shape for b in s.bodies), s.windows]):
+        added = section(s.grid, [s.windows], y)
+        dry &= shapely.difference(s.open_water(y), added).area <= s.speck
+        passage = passage or _closed_passage(s, shapely.difference(shapely.box(*s.window), s.area(s.solid, y)), added)
+    if dry:
+        yield Finding(
+            "error",
+            "domain.spacing",
+            f"= {h:g} m leaves no water: all of it lies in cells that thin solids part, which count as solid; give "
+            f"domain.spacing = {h / 4:.2g}",
+        )
+    elif passage:
+        yield Finding(
+            "warning",
+            "domain.spacing",
+            f"= {h:g} m closes the passage at x = {passage[0]:.4g}, z = {passage[1]:.4g}, as cells that thin solids "
+            f"part count as solid: domain.spacing = {h / 2:.2g} or less keeps it open if it is as wide as two cells",
+        )
+
+
+def _closed_passage(s: Section, open_: shapely.Geometry, added: shapely.Geometry) -> tuple[float, float] | None:
+    """Where in a section (x, z) [m] what is added to the solids first parts a room in two of more than a cell each."""
+    least = s.grid.spacing[0] * s.grid.spacing[-1]
+    for room in polygons(open_):
+        rest = polygons(shapely.difference(room, added))
+        rest = rest[shapely.area(rest) > least]
+        if len(rest) > 1:
+            between = polygons(shapely.intersection(room, added))
+            touched = shapely.dwithin(between[:, None], rest, NEAR * max(s.grid.spacing)).sum(axis=1)
+            x, z = shapely.get_coordinates(shapely.point_on_surface(between[np.argmax(touched)]))[0]
+            return float(x), float(z)
+    return None
 
 
 def spacing_divides(s: Section) -> Iterator[Finding]:
@@ -376,6 +418,7 @@ CHECKS = (
     water_is_somewhere,
     bodies_agree,
     grid_resolves,
+    thin_solids,
     spacing_divides,
     instruments,
     observables,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import Any, Literal
 
@@ -13,6 +14,7 @@ from shapely.ops import polylabel
 from houle import geometry
 from houle.case import Case
 from houle.case_errors import place
+from houle.divided import Thickened, thickened
 from houle.grid import FloatArray
 
 COLUMNS = 500  # looked at for the levels of the water
@@ -67,6 +69,12 @@ class Section:
     def area(self, bodies: list[Body], layer: geometry.Span) -> shapely.Geometry:
         """What the bodies cover together of the domain's section in a layer."""
         return geometry.section(self.grid, [b.shape for b in bodies], layer)
+
+    @cached_property
+    def windows(self) -> geometry.Union:
+        """What counts as solid besides what is drawn: the windows that thin solids part."""
+        whole = thickened(self.grid, [b.shape for b in self.solid])
+        return geometry.Union(tuple(box for s in whole if isinstance(s, Thickened) for box in s.windows.parts))
 
     def overlap(self, one: list[Body], other: list[Body]) -> tuple[float, tuple[float, ...]]:
         """Area [m2] of the largest common section over the layers, and the bounds of it in x, z."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry.polygon import orient
 
 from houle.geometry import Span, polygons
@@ -40,15 +41,31 @@ def edges(area: shapely.Geometry, spacing: Sequence[float]) -> FloatArray:
 
 def cut(edge: FloatArray) -> FloatArray:
     """Pieces (P, 2, 2) of an edge (2, 2) of `edges`, cut at every lattice line."""
-    start, step = edge[0], edge[1] - edge[0]
-    cuts = [np.array([0.0, 1.0])]
+    return cut_all(edge[None])[0]
+
+
+def cut_all(edge: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Pieces (P, 2, 2) of some edges (E, 2, 2), cut at every lattice line, edge by edge; number (P,) of their edge."""
+    start, step = edge[:, 0], edge[:, 1] - edge[:, 0]
+    number = [np.repeat(np.arange(len(edge)), 2)]
+    share = [np.tile([0.0, 1.0], len(edge))]  # of the edge before each end of a piece
     for a in (0, 1):
-        if step[a] != 0:
-            lines = np.arange(np.ceil(edge[:, a].min()), np.floor(edge[:, a].max()) + 1)
-            cuts.append((lines - start[a]) / step[a])
-    points = start + np.unique(np.clip(np.concatenate(cuts), 0, 1))[:, None] * step
-    points[-1] = edge[1]
-    return np.stack([points[:-1], points[1:]], axis=1)
+        first = np.ceil(edge[:, :, a].min(axis=1))
+        count = np.where(step[:, a] != 0, np.floor(edge[:, :, a].max(axis=1)) + 1 - first, 0).astype(np.intp)
+        of = np.repeat(np.arange(len(edge)), count)
+        line = first[of] + (np.arange(len(of)) - (np.cumsum(count) - count)[of])
+        number.append(of)
+        share.append((line - start[of, a]) / step[of, a])
+    of, at = np.concatenate(number), np.clip(np.concatenate(share), 0, 1)
+    order = np.lexsort((at, of))
+    of, at = of[order], at[order]
+    new = np.concatenate([[True], (of[1:] != of[:-1]) | (at[1:] != at[:-1])])[: len(of)]
+    of, at = of[new], at[new]
+    point = start[of] + at[:, None] * step[of]
+    last = np.flatnonzero(np.diff(of, append=len(edge)))
+    point[last] = edge[of[last], 1]
+    inner = of[1:] == of[:-1]
+    return np.stack([point[:-1], point[1:]], axis=1)[inner], of[1:][inner]
 
 
 def _fill_below(amount: FloatArray) -> FloatArray:
@@ -70,7 +87,7 @@ def section_moments(
     moments = np.zeros((2, 2, end - first, shape[1]))
     if len(outline) == 0:
         return moments
-    piece = np.concatenate([cut(edge) for edge in outline])
+    piece, _ = cut_all(outline)
     cell = np.clip(np.floor(piece.mean(axis=1)).astype(int), 0, np.array(shape) - 1)
     inside = (cell[:, 0] >= first) & (cell[:, 0] < end)
     piece, cell, shape = piece[inside], cell[inside], (end - first, shape[1])

@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from houle.divided import thickened
+from houle.divided import SLIT, thickened
 from houle.geometry import Shape, Span, covers, layers, section
 from houle.grid import Faces, FloatArray, Grid, SingleFaces, beside, fixed, seen, widened
 from houle.interfaces import Interfaces, Shared, stand_along
@@ -29,7 +29,6 @@ FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around a cell: what `particle_porosity` is at least
 NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
-SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
 ROUND_OFF = 1e-9  # of shares that are compared with `SLIT`: what differs by less is equal to it
 OBLIQUE = 1e12  # `contrast` at oblique interfaces: more than the Bernoulli force is used at
 

@@ -129,16 +129,23 @@ def _lists(grid: Grid, area: shapely.Geometry, edge: FloatArray) -> tuple[NDArra
     spacing, shape = (grid.spacing[0], grid.spacing[-1]), (grid.shape[0], grid.shape[-1])
     covered = section_moments(area, spacing, shape)[0, 0] > 0.0
     counts, numbers = np.zeros(shape, np.intp), [np.empty(0, np.intp)]
-    along = edge[:, 2:4] - edge[:, :2]
+    along, length = edge[:, 2:4] - edge[:, :2], (1.0 + 1e-9) * np.hypot(*spacing)
+    ends = np.sort(edge[:, :4].reshape(-1, 2, 2), axis=1)  # lower and upper corner of the box around each edge
+    tree = shapely.STRtree(shapely.linestrings(edge[:, :4].reshape(-1, 2, 2)))
     for i in np.flatnonzero(covered.any(axis=1)):
         k = np.flatnonzero(covered[i])
         centre = np.stack([np.full(len(k), i + 0.5), k + 0.5], axis=1) * spacing
-        off = centre[:, None] - edge[:, :2]
-        share = np.clip((off * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-        distance = np.linalg.norm(off - share[..., None] * along, axis=-1)
-        near = distance <= distance.min(axis=1, keepdims=True) + (1.0 + 1e-9) * np.hypot(*spacing)
+        _, nearest = tree.query_nearest(shapely.points(centre), return_distance=True, all_matches=False)
+        far = nearest.max() + 2.0 * length  # no edge farther away is listed
+        some = np.flatnonzero(
+            ((ends[:, 0] <= centre.max(axis=0) + far) & (ends[:, 1] >= centre.min(axis=0) - far)).all(axis=1)
+        )
+        off = centre[:, None] - edge[some, :2]
+        share = np.clip((off * along[some]).sum(axis=-1) / (along[some] ** 2).sum(axis=-1), 0.0, 1.0)
+        distance = np.linalg.norm(off - share[..., None] * along[some], axis=-1)
+        near = distance <= distance.min(axis=1, keepdims=True) + length
         counts[i, k] = near.sum(axis=1)
-        numbers.append(np.nonzero(near)[1])
+        numbers.append(some[np.nonzero(near)[1]])
     return counts.ravel(), np.concatenate(numbers)
 
 
@@ -151,6 +158,15 @@ def _with_images(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
         else:
             copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
         area = shapely.union_all([area, *copies])
+    return area
+
+
+def repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
+    """The area of a section with its copies on both sides of the domain along periodic axes."""
+    for a, axis in ((0, 0), (1, -1)):
+        if grid.periodic[axis] and not area.is_empty:
+            shift = grid.size[axis] * np.eye(2)[a]
+            area = shapely.union_all([area, *(_moved(area, np.ones(2), side * shift) for side in (-1, 1))])
     return area
 
 

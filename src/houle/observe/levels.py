@@ -121,7 +121,7 @@ def _beside_plates(flow: Flow, places: FloatArray) -> FloatArray:
     """The places (N, d - 1) in plan; those in cells that a thin solid divides moved to the water on their side of it,
     which is told halfway up these cells.
     """
-    found, spacing = places.copy(), min(flow.grid.spacing)
+    found = places.copy()
     for solid in flow.medium.solids:
         if not isinstance(solid, Thickened):
             continue
@@ -130,7 +130,7 @@ def _beside_plates(flow: Flow, places: FloatArray) -> FloatArray:
             over = ((ends[:, 0, :-1] <= place) & (place <= ends[:, 1, :-1])).all(axis=1)
             if over.any():
                 height = np.sort(ends[over, :, -1].mean(axis=1))[over.sum() // 2]
-                found[i] = on_their_side([solid], np.array([[*place, height]]), spacing)[0, :-1]
+                found[i] = on_their_side(flow.grid, [solid], np.array([[*place, height]]))[0, :-1]
     return found
 
 

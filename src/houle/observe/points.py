@@ -52,7 +52,7 @@ class Sensors:
     def __init__(self, flow: Flow, points: FloatArray) -> None:
         grid, g = flow.grid, still_gravity(flow)
         points = np.array(points, float).reshape(-1, grid.dimension)
-        self.seen = on_their_side(flow.medium.solids, points, min(grid.spacing))
+        self.seen = on_their_side(grid, flow.medium.solids, points)
         self.cell, self.weight = around(self.seen, grid)
         open_ = flow.medium.open_cells.ravel()[self.cell] > 0.0
         hidden = behind_plates(
@@ -62,6 +62,7 @@ class Sensors:
         self.below = cell_below(self.cell, grid)
         rest = (grid.points() @ g).ravel()
         self.rest, self.rest_here, self.rest_below = points @ g, rest[self.cell], rest[self.below]
+        self.moved = self.seen @ g - self.rest
 
     def pressure(self, flow: Flow) -> FloatArray:
         """Kinematic, p/rho (N,) [m2/s2]."""
@@ -72,7 +73,7 @@ class Sensors:
         weight = np.where(wet | (below != 0.0), self.weight, 0.0)
         total = weight.sum(axis=1)
         found = (weight * beyond).sum(axis=1) / np.where(total > 0.0, total, 1.0) + self.rest
-        at_surface = (~wet & (self.weight > 0.0)).any(axis=1)
+        at_surface = (~wet & (self.weight > 0.0)).any(axis=1) | (found + self.moved >= 0.0)  # no suction where it looks
         return np.where(total > 0.0, np.where(at_surface, np.maximum(found, 0.0), found), 0.0)
 
     def velocity(self, flow: Flow) -> FloatArray:

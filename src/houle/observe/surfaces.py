@@ -17,10 +17,11 @@ import shapely
 from houle.flow import Flow
 from houle.geometry import Shape, Span, section
 from houle.grid import FloatArray, Grid
-from houle.moments import cut, edges, section_moments, span_moments
+from houle.moments import cut, cut_all, edges, section_moments, span_moments
 from houle.observe.points import cell_below, still_gravity
 from houle.observe.profile import Indices
 from houle.porous import partition
+from houle.solids import repeated
 
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (-1, 0), "top": (-1, 1)}
 NEAR = 1e-6  # [cells] from a surface, the cell on its wet side is looked for
@@ -73,11 +74,15 @@ def patches_of_solid(flow: Flow, shape: Shape) -> Patches:
     found = []
     for span, solid, own in layers:
         if not own.is_empty:
-            piece = _pieces(grid, solid)
-            middle = shapely.points(piece.mean(axis=1) * (grid.spacing[0], grid.spacing[-1]))
-            here = shapely.dwithin(middle, shapely.boundary(own), NEAR * min(grid.spacing))
+            piece = _pieces(grid, repeated(grid, solid))
+            middle = piece.mean(axis=1) * (grid.spacing[0], grid.spacing[-1])
+            here = shapely.dwithin(
+                shapely.points(middle), shapely.boundary(repeated(grid, own)), NEAR * min(grid.spacing)
+            )
+            here &= (middle[:, 0] >= 0.0) & (middle[:, 0] < grid.size[0] if grid.periodic[0] else True)
             found += list(_upright(grid, piece[here], span))
-    for (before, solid_before, own_before), (_, solid_after, own_after) in itertools.pairwise(layers):
+    ring = [*layers, layers[0]] if grid.dimension == 3 and grid.periodic[1] else layers
+    for (before, solid_before, own_before), (_, solid_after, own_after) in itertools.pairwise(ring):
         found.append(_across(grid, own_before.difference(solid_after), before[1], +1.0))
         found.append(_across(grid, own_after.difference(solid_before), before[1], -1.0))
     return Patches.gather(grid, medium.open_cells, found)
@@ -113,8 +118,7 @@ def patches_of_side(flow: Flow, side: str) -> Patches:
 
 def _pieces(grid: Grid, area: shapely.Geometry) -> FloatArray:
     """Edges (P, 2, 2) of the area [cells], the area on their left, cut at the lines of the grid."""
-    outline = edges(area, (grid.spacing[0], grid.spacing[-1]))
-    return np.concatenate([np.empty((0, 2, 2)), *(cut(edge) for edge in outline)])
+    return cut_all(edges(area, (grid.spacing[0], grid.spacing[-1])))[0]
 
 
 def _upright(grid: Grid, piece: FloatArray, span: Span) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
