@@ -289,7 +289,6 @@ def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> Fl
     it parts, moved out of that, away from the solid as it is drawn.
     """
     found, spacing = points.copy(), min(grid.spacing)
-    size = np.where(grid.periodic, grid.size, np.inf)
     for solid in solids:
         if not isinstance(solid, Thickened):
             continue
@@ -297,7 +296,8 @@ def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> Fl
         away = _away(grid, solid.drawn, points[held], NEAR * spacing)
         for step in np.arange(1, FARTHEST + 1) * (spacing / STEPS):
             inside = solid.contains(found[held])
-            found[held[inside]] = (points[held[inside]] + step * away[inside]) % size
+            moved = points[held[inside]] + step * away[inside]
+            found[held[inside]] = np.where(grid.periodic, moved % grid.size, moved)
     return found
 
 

@@ -259,3 +259,11 @@ def test_a_passage_that_plates_close_is_told_and_water_that_they_leave_none_of_i
 
     apart = {"box": [[0.6, 0.06], [0.603, 0.36]]}
     assert not [f for f in check(load(pools({}, solid=[left, apart]))) if "passage" in f.text]
+
+
+def test_a_sensor_in_a_slit_between_a_plate_and_the_wall_reads_nothing():
+    """The slit counts as solid; the way away from the plate leads out of the tank."""
+    case = pools(upright(0.015, 0.006), sensor=[{"at": [0.006, 0.05]}, {"at": [0.018, 0.05]}])
+    found = simulation(case | {"water": [{"below": 0.12}]}).observers.sample()
+    assert np.all(found["velocity"] == 0.0)
+    assert found["pressure"] == pytest.approx([0.0, 1000.0 * 9.81 * 0.07], rel=3e-3)
