@@ -62,7 +62,8 @@ static void bind(nb::module_& m) {
         const auto media = interfaces_of(g, interfaces);
         const auto p = particles_of<D>(g, x, u, volume, porosity);
         const Listed pores = listed_of(g, cell_porosity, "cell_porosity");
-        const std::int8_t* bodies = entries(body, g.cells() << D, "body");
+        const index half_cells = g.cells() << D;
+        const std::int8_t* bodies = entries(body, half_cells, "body");
         const Solids<D> solids = solids_of(g, outline);
         const Gates shut = gates_of(g, gates);
         if (last < 0) last = 2 * g.shape[0];
@@ -70,7 +71,8 @@ static void bind(nb::module_& m) {
         ParticleArrays<D> out(0);
         {
           nb::gil_scoped_release release;
-          out = remesh_conservative<D>(g, {pores, bodies, media, along}, solids, shut, p, first, last);
+          const bool solid = std::any_of(bodies, bodies + half_cells, [](std::int8_t b) { return b < 0; });
+          out = remesh_conservative<D>(g, {pores, bodies, media, along, solid}, solids, shut, p, first, last);
         }
         return as_tuple<D>(std::move(out));
       },

@@ -19,6 +19,7 @@ struct Pores {              // of the half cells
   const std::int8_t* body;  // of each half cell: negative in solids
   Interfaces<D> media{};    // across which the velocity along them is not handed,
   bool along = true;        // unless what the particles carry goes with the water itself
+  bool solid = true;        // whether there are half cells in solids
 
   bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls
     return body[node] < 0 || node < l.begin * l.stride[0] || node >= l.end * l.stride[0];

@@ -39,9 +39,14 @@ struct Aside {
 // first.
 template <int D>
 struct Joined {
+  static constexpr std::uint64_t everywhere = ~std::uint64_t{0} >> (64 - (1 << 2 * D));
   std::uint64_t places = 0;
 
   Joined(const Lattice<D>& l, const Pores<D>& pores, const LatticeStencil<D>& s, index home) {
+    if (!pores.solid) {
+      places = everywhere;
+      return;
+    }
     std::uint64_t open = 0, ends[2][D] = {};  // ends: the first and the last place on each axis
     s.each([&](index node, double, const int* k) {
       if (!pores.closed(l, node)) open |= bit(k);
@@ -49,7 +54,7 @@ struct Joined {
       for (int a = 0; a < D; ++a)
         if (k[a] == 0 || k[a] == 3) ends[k[a] / 3][a] |= bit(k);
     });
-    if (open == ~std::uint64_t{0} >> (64 - (1 << 2 * D))) {
+    if (open == everywhere) {
       places = open;
       return;
     }
