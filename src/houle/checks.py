@@ -171,12 +171,13 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
 
 def thin_solids(s: Section) -> Iterator[Finding]:
     """What counts as solid around thin ones leaves water, and closes no passage."""
-    if not s.windows.parts:
+    windows = s.windows
+    if not windows:
         return
     h, passage = max(s.grid.spacing), None
     dry = True
-    for y in layers(s.grid, [*(b.shape for b in s.bodies), s.windows]):
-        added = section(s.grid, [s.windows], y)
+    for y in layers(s.grid, [*(b.shape for b in s.bodies), *windows]):
+        added = section(s.grid, windows, y)
         dry &= shapely.difference(s.open_water(y), added).area <= s.speck
         passage = passage or _closed_passage(s, shapely.difference(shapely.box(*s.window), s.area(s.solid, y)), added)
     if dry:

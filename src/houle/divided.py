@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations, groupby, pairwise, product
 from operator import itemgetter
 
@@ -19,10 +20,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from houle.geometry import EVERYWHERE, Box, Shape, Span, Union, covers, layers, polygons, section
+from houle.geometry import EVERYWHERE, Box, Shape, Span, Union, covers, layers, polygons, repeated, section
 from houle.grid import FloatArray, Grid
 from houle.moments import cut_all, edges
-from houle.solids import repeated
 
 CRUMB = 1e-9  # of a window: less open space is no part of it; a face beside more may be open (`porous.CLOSED`)
 SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
@@ -49,6 +49,11 @@ class Thickened(Union):
 
 def thickened(grid: Grid, solids: Sequence[Shape]) -> tuple[Shape, ...]:
     """The solids, each with the windows that it parts; where there are several, the one nearest to their middle."""
+    return _thickened(grid, tuple(solids))
+
+
+@lru_cache(maxsize=8)  # the pre-flight, the run and each of its pictures ask for the same ones
+def _thickened(grid: Grid, solids: tuple[Shape, ...]) -> tuple[Shape, ...]:
     whole = list(solids)
     for shift in product((0.0, 0.5), repeat=grid.dimension) if solids else ():
         found = sorted(parted_windows(grid, whole, shift), key=itemgetter(0))
@@ -277,11 +282,15 @@ def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: 
     return int((size > CRUMB * window * width.sum()).sum()) > 1
 
 
-def added(grid: Grid, solids: Sequence[Shape], y: float) -> list[Box]:
-    """The windows that count as solid besides what is drawn, those at a y in 3D: for pictures."""
+def added(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
+    """The windows that count as solid besides what is drawn."""
     whole = [solid for solid in thickened(grid, solids) if isinstance(solid, Thickened)]
-    boxes = [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
-    return [box for box in boxes if grid.dimension == 2 or box.lower[1] <= y <= box.upper[1]]
+    return [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
+
+
+def at_width(boxes: Sequence[Box], y: float) -> list[Box]:
+    """Those that reach over a y in 3D; all of them in 2D."""
+    return [box for box in boxes if box.span[0] <= y <= box.span[1]]
 
 
 def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> FloatArray:

@@ -29,9 +29,7 @@ if TYPE_CHECKING:
     from houle.paddle import Paddle
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
-HEAVY = (
-    30.0  # K / n^2 (`Medium`) from which on water in pores is so heavy that gravity changes next to nothing in a step
-)
+HEAVY = 30.0  # K / n^2 (`Medium`) of pores in which gravity changes next to nothing in a step
 AROUND = 4  # cells beside a gate in which the water counts that its columns can hold
 LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
 

@@ -220,6 +220,25 @@ def section(grid: Grid, shapes: Sequence[Shape], layer: Span = EVERYWHERE) -> sh
     return shapely.union_all([s.section(_window(grid)) for s in here]) if here else shapely.Polygon()
 
 
+def repeated(grid: Grid, area: shapely.Geometry, mirrored: bool = False) -> shapely.Geometry:
+    """The area of a section with its copies on both sides of the domain along periodic axes, and if mirrored with its
+    images behind the walls.
+    """
+    for a, axis in ((0, 0), (1, -1)) if not area.is_empty else ():
+        size, unit = grid.size[axis], np.eye(2)[a]
+        copies = []
+        if grid.periodic[axis]:
+            copies = [_moved(area, np.ones(2), shift * unit) for shift in (-size, size)]
+        elif mirrored:
+            copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
+        area = shapely.union_all([area, *copies]) if copies else area
+    return area
+
+
+def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
+    return shapely.transform(area, lambda points: factor * points + shift)
+
+
 def polygons(area: shapely.Geometry) -> NDArray[np.object_]:
     """The polygons in a geometry, without the lines and points in which shapes may touch."""
     parts = shapely.get_parts(shapely.get_parts(area))

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.affinity import affine_transform
 
-from houle.geometry import Span, covers, polygons
+from houle.geometry import Span, covers, polygons, repeated
 from houle.grid import FloatArray, Grid, beside, fixed, seen, spread
 
 if TYPE_CHECKING:
@@ -122,8 +121,8 @@ class _Section(NamedTuple):
             same = [area for area, m in zip(bodies, media, strict=True) if m == medium]
             areas.append((int(medium), shapely.union_all(same)))
         areas.append((SOLID, solid))
-        areas = [(medium, _repeated(grid, area)) for medium, area in areas if not area.is_empty]
-        edges = [_edges(grid, area, _repeated(grid, solid)) for medium, area in areas if medium != SOLID]
+        areas = [(medium, _beyond(grid, area)) for medium, area in areas if not area.is_empty]
+        edges = [_edges(grid, area, _beyond(grid, solid)) for medium, area in areas if medium != SOLID]
         on_line = ON_LINE * min(grid.spacing)
         inside = shapely.buffer(shapely.union_all([area for _, area in areas]), -on_line, join_style="mitre")
         wide = [(medium, shapely.buffer(area, on_line, join_style="mitre")) for medium, area in areas]
@@ -166,17 +165,9 @@ class _Section(NamedTuple):
         return distance, np.stack([normal, foot], axis=1)
 
 
-def _repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
-    """The area and how it goes on beyond the sides of the tank: as its mirror image, or around a periodic axis."""
-    for axis, columns in ((0, 0), (-1, 1)):
-        size, sign, shift = grid.size[axis], np.ones(2), np.zeros(2)
-        copies = [area]
-        for step in (-1.0, 1.0):  # mirrored at 0 and at the size, or moved by a size
-            sign[columns] = 1.0 if grid.periodic[axis] else -1.0
-            shift[columns] = step * size if grid.periodic[axis] else (1.0 + step) * size
-            copies.append(affine_transform(area, [sign[0], 0.0, 0.0, sign[1], *shift]))
-        area = shapely.union_all(copies)
-    return shapely.multipolygons(polygons(area))
+def _beyond(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
+    """The polygons of the area, and how they go on beyond the sides of the tank."""
+    return shapely.multipolygons(polygons(repeated(grid, area, mirrored=True)))
 
 
 def _edges(grid: Grid, area: shapely.Geometry, solid: shapely.Geometry) -> FloatArray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import inf
 from typing import Any, Literal
 
@@ -14,7 +13,7 @@ from shapely.ops import polylabel
 from houle import geometry
 from houle.case import Case
 from houle.case_errors import place
-from houle.divided import Thickened, thickened
+from houle.divided import added
 from houle.grid import FloatArray
 
 COLUMNS = 500  # looked at for the levels of the water
@@ -70,11 +69,10 @@ class Section:
         """What the bodies cover together of the domain's section in a layer."""
         return geometry.section(self.grid, [b.shape for b in bodies], layer)
 
-    @cached_property
-    def windows(self) -> geometry.Union:
+    @property
+    def windows(self) -> list[geometry.Box]:
         """What counts as solid besides what is drawn: the windows that thin solids part."""
-        whole = thickened(self.grid, [b.shape for b in self.solid])
-        return geometry.Union(tuple(box for s in whole if isinstance(s, Thickened) for box in s.windows.parts))
+        return added(self.grid, [b.shape for b in self.solid])
 
     def overlap(self, one: list[Body], other: list[Body]) -> tuple[float, tuple[float, ...]]:
         """Area [m2] of the largest common section over the layers, and the bounds of it in x, z."""

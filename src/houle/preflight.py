@@ -14,7 +14,7 @@ import shapely
 from houle.case import Case
 from houle.ceiling import first_rows, memory
 from houle.checks import expected_speed
-from houle.divided import added
+from houle.divided import at_width
 from houle.layout import Body, Section
 from houle.paddle_checks import moving_walls
 from houle.resistance import Passport, passport
@@ -137,7 +137,7 @@ def _figure(case: Case) -> Figure:
         words = f"{body.entry.name}, n = {body.entry.porosity:g}"
         area = shapely.difference(s.area([body], layer), s.area(s.solid, layer))
         _fill(axes, area, facecolor="none", edgecolor="#8a6d3b", hatch=hatches[i % 5], linewidth=1.2, label=words)
-    for box in added(s.grid, [body.shape for body in s.solid], case.domain.size[1] / 2):
+    for box in at_width(s.windows, case.domain.size[1] / 2):
         window = shapely.box(box.lower[0], box.lower[-1], box.upper[0], box.upper[-1])
         _fill(axes, window, facecolor="#bbbbbb", edgecolor="none", label="counts as solid")
     _fill(axes, s.area(s.solid, layer), facecolor="#777777", edgecolor="#333333", label="solid")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from shapely.geometry.polygon import orient
 
 from houle import _core
-from houle.geometry import Shape, layers, polygons, section
+from houle.geometry import Shape, layers, polygons, repeated, section
 from houle.grid import FloatArray, Grid, SingleFaces, fixed, widened
 from houle.moments import section_moments
 
@@ -44,7 +44,7 @@ class Outline(NamedTuple):
         counts, numbers, edges, top, before = [], [], [np.empty((0, 8))], [], 0
         for span in layers(grid, solids):
             area = section(grid, solids, span)
-            edge = _edges(_with_images(grid, area))
+            edge = _edges(repeated(grid, area, mirrored=True))
             count, number = _lists(grid, area, edge)
             used, number = np.unique(number, return_inverse=True)
             counts.append(count)
@@ -147,28 +147,3 @@ def _lists(grid: Grid, area: shapely.Geometry, edge: FloatArray) -> tuple[NDArra
         counts[i, k] = near.sum(axis=1)
         numbers.append(some[np.nonzero(near)[1]])
     return counts.ravel(), np.concatenate(numbers)
-
-
-def _with_images(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
-    """The area of the section with its mirror images behind the walls, or its copies along a periodic axis."""
-    for a, axis in ((0, 0), (1, -1)):
-        size, unit = grid.size[axis], np.eye(2)[a]
-        if grid.periodic[axis]:
-            copies = [_moved(area, np.ones(2), shift * unit) for shift in (-size, size)]
-        else:
-            copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
-        area = shapely.union_all([area, *copies])
-    return area
-
-
-def repeated(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
-    """The area of a section with its copies on both sides of the domain along periodic axes."""
-    for a, axis in ((0, 0), (1, -1)):
-        if grid.periodic[axis] and not area.is_empty:
-            shift = grid.size[axis] * np.eye(2)[a]
-            area = shapely.union_all([area, *(_moved(area, np.ones(2), side * shift) for side in (-1, 1))])
-    return area
-
-
-def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
-    return shapely.transform(area, lambda points: factor * points + shift)

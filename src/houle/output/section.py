@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from houle.divided import added
+from houle.divided import added, at_width
 from houle.frame import Frame
 from houle.geometry import shape_of
 from houle.grid import FloatArray, Grid
@@ -33,7 +33,7 @@ class Section:
         self.y = float(grid.axis_points(1)[grid.shape[1] // 2]) if grid.dimension == 3 else 0.0
         self.porous = drawing.bodies(case.porous, grid, self.y)
         self.solid = drawing.bodies(case.solid, grid, self.y)
-        self.thickened = added(grid, [shape_of(entry, grid.dimension) for entry in case.solid], self.y)
+        self.thickened = at_width(added(grid, [shape_of(s, grid.dimension) for s in case.solid]), self.y)
         tops = [float(body.outline[:, 1].max()) for body in (*self.porous, *self.solid)]
         self.bands = drawing.bands(case, self.y)
         highest = max([*(float(level) for level in levels), *tops], default=0.0)
