@@ -38,7 +38,7 @@ from houle.output.atomic import replacing
 INK, GREY, FAINT = "#22303c", "#7d8a96", "#dfe4e8"
 WATER, SHADE = "#1f5f8b", "#dceaf4"
 LABORATORY = "#c44e17"
-STONE, STONE_LINE, SOLID = "#f3efe6", "#8c8069", "#c3c8cc"
+STONE, STONE_LINE, SOLID, PALE = "#f3efe6", "#8c8069", "#c3c8cc", "#dbdee0"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
 DPI = 150
 TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
@@ -327,24 +327,25 @@ def draw_thickened(panel: Axes, windows: Sequence[Box]) -> None:
     """What counts as solid around thin ones, paler than these."""
     for window in windows:
         (x0, *_, z0), (x1, *_, z1) = window.lower, window.upper
-        panel.add_patch(Rectangle((x0, z0), x1 - x0, z1 - z0, fc=SOLID, ec="none", alpha=0.6, zorder=3.9))
+        panel.add_patch(Rectangle((x0, z0), x1 - x0, z1 - z0, fc=PALE, ec="none", zorder=3.9))
 
 
 def _names(panel: Axes, named: Sequence[Body]) -> None:
     """The words of bodies over their tops, pushed apart where layers lie close, never above the panel."""
     ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
     look: Any = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": STONE_LINE, "zorder": 5, "bbox": ground}
-    low, high = panel.get_ylim()
+    (left, right), (low, high), room = panel.get_xlim(), panel.get_ylim(), _room(panel)[0]
     tall = 72 * _room(panel)[1]  # points
     tops = [tall * (body.outline[:, 1].max() - low) / (high - low) + 3.0 for body in named]
     line = 1.35 * SMALL
     for body, top, shift in zip(named, tops, apart(tops, line, 0.0, tall - line), strict=True):
         at = (float(body.outline[:, 0].mean()), 0.0)
-        fitted(
-            panel.annotate(body.words, at, (0, top + shift), xycoords=panel.get_xaxis_transform(),
-                           textcoords="offset points", **look),
-            _room(panel)[0],
-        )  # fmt: skip
+        name = panel.annotate(
+            body.words, at, (0, top + shift), xycoords=panel.get_xaxis_transform(), textcoords="offset points", **look
+        )
+        fitted(name, room)
+        half = (right - left) * min(0.5, 0.5 * _length(name) / room)  # a long name is moved inwards
+        name.xy = (float(np.clip(at[0], left + half, right - half)), 0.0)
 
 
 @dataclass(frozen=True)
