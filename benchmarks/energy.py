@@ -15,7 +15,7 @@ from itertools import product
 import numpy as np
 
 import houle
-from houle.simulation import Simulation
+from houle.flow.simulation import Simulation
 from houle.validation.exact import standing_wave_frequency
 
 LENGTH, DEPTH, AMPLITUDE = 1.0, 0.25, 0.02  # of the shipped case

@@ -28,7 +28,7 @@ static Obstacles<D> obstacles_of(const Grid<D>& g, const Outline& solids, const 
   return {solids_of(g, solids), gates_of(g, gates), paddles_of(paddles)};
 }
 
-// The closed faces of each axis, houle.solids.ClosedFaces.
+// The closed faces of each axis, houle.medium.solids.ClosedFaces.
 using Closed = std::vector<std::pair<LongNumbers, Given>>;
 
 template <int D>

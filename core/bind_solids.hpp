@@ -9,7 +9,7 @@
 
 namespace houle {
 
-// start, number, edges (E, 8), tops of the layers: houle.solids.Outline
+// start, number, edges (E, 8), tops of the layers: houle.medium.solids.Outline
 using Outline = std::optional<std::tuple<LongNumbers, Numbers, Given, Given>>;
 
 template <int D>

@@ -11,7 +11,7 @@
 
 namespace houle {
 
-// The sides of a gate, in the place of the numbers of media (GATE of interfaces.py).
+// The sides of a gate, in the place of the numbers of media (GATE of medium/interfaces.py).
 constexpr double before_gate = -3.0, behind_gate = -2.0;
 
 // The interface nearest to the centre of a cell, as a plane, and the media on both of its sides. Or a gate beside the
@@ -28,12 +28,12 @@ struct Interface {
     return s >= 0.0;
   }
   double side(const double* x) const { return beyond(x) ? above : below; }  // the medium there
-  int axis() const {  // of the faces to which it is parallel (PARALLEL of interfaces.py), -1: none
+  int axis() const {  // of the faces to which it is parallel (PARALLEL of medium/interfaces.py), -1: none
     for (int a = 0; a < D; ++a)
       if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
     return -1;
   }
-  // Whether it is parallel, or nearly, to the faces of that axis (ALONG of interfaces.py).
+  // Whether it is parallel, or nearly, to the faces of that axis (ALONG of medium/interfaces.py).
   bool across(int a) const { return normal[a] * normal[a] > 0.99; }
 };
 

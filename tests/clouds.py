@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import strategies as st
 
 from houle import _core
-from houle.flow import Flow
+from houle.flow.particles import Particles
+from houle.flow.state import Flow
 from houle.grid import Faces, FloatArray, Grid
-from houle.particles import Particles
-from houle.porous import Medium
+from houle.medium.medium import Medium
 
 
 @st.composite

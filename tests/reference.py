@@ -13,8 +13,8 @@ import numpy as np
 from scipy.ndimage import convolve1d, maximum_filter
 from scipy.optimize import brentq
 
-from houle.moments import Measure, with_tent
-from houle.porous import partition
+from houle.medium.integrals import Measure, with_tent
+from houle.medium.medium import partition
 from reference_transfer import close_periodic, fold, quadratic, stencil
 
 # ---- free surface ----------------------------------------------------------------------------------------------------

@@ -6,12 +6,13 @@ from pathlib import Path
 import pytest
 from pydantic import BaseModel
 
-from houle import checks, fields
-from houle.case import Case, load
-from houle.case_files import shipped, tomllib
+from houle import fields
+from houle.case.model import Case, load
+from houle.case.reading import shipped, tomllib
+from houle.case.tables import control, observed, results, sides, tank
+from houle.case.tables.waves import Focus, Piston, Source, Waves, Zone
+from houle.check import rules
 from houle.cli import app
-from houle.tables import control, observed, results, sides, tank
-from houle.waves.table import Focus, Piston, Source, Waves, Zone
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("src/**/*.md")])
@@ -75,7 +76,7 @@ def test_links_lead_somewhere(document):
 def test_the_case_file_of_the_readme_is_a_good_case():
     example = re.search(r"```toml\n(.*?)```", README, re.DOTALL)
     assert example
-    checks.require(load(tomllib.loads(example.group(1))))  # raises CaseError
+    rules.require(load(tomllib.loads(example.group(1))))  # raises CaseError
 
 
 def test_the_readme_names_every_command_and_case():

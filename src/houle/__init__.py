@@ -6,7 +6,7 @@
     run.surface.eta.sel(time=0.8).plot()
 
 Importing houle is cheap; NumPy and the numerical core are loaded when one of the names below is first used.
-(The code of a run is in `houle.runner`: a module called `houle.run` would take the place of the function.)
+(The code of a run is in `houle.running.runner`: a module called `houle.run` would take the place of the function.)
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from houle.case import Case, load
+    from houle.case.model import Case, load
     from houle.errors import CaseError, HouleError, SimulationError
-    from houle.runner import Run, open_run, resume, run
+    from houle.running.runner import Run, open_run, resume, run
 
 __all__ = ["Case", "CaseError", "HouleError", "Run", "SimulationError", "load", "open_run", "resume", "run"]
 
 _HOME = {
-    "Case": "houle.case",
-    "load": "houle.case",
+    "Case": "houle.case.model",
+    "load": "houle.case.model",
     "CaseError": "houle.errors",
     "HouleError": "houle.errors",
     "SimulationError": "houle.errors",
-    "Run": "houle.runner",
-    "open_run": "houle.runner",
-    "resume": "houle.runner",
-    "run": "houle.runner",
+    "Run": "houle.running.runner",
+    "open_run": "houle.running.runner",
+    "resume": "houle.running.runner",
+    "run": "houle.running.runner",
 }
 
 

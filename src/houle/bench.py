@@ -94,7 +94,7 @@ def bench(threads: int | None = None, large: bool = False) -> list[list[Measured
     """Measures on 1 and on `threads` threads (all cores if not given), prints a table per job, returns the numbers."""
     from rich.console import Console
 
-    from houle.cores import usable
+    from houle.running.cores import usable
 
     console, most = Console(), threads or usable()
     found = []
@@ -168,8 +168,8 @@ def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps
     """Steps of a case in this process, nothing written."""
     import numpy as np
 
-    from houle.case import load
-    from houle.simulation import Simulation
+    from houle.case.model import load
+    from houle.flow.simulation import Simulation
 
     loaded = load(case, overrides)
     before = peak_memory()

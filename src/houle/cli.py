@@ -77,7 +77,7 @@ def new(
     waves: Annotated[bool, typer.Option("--waves", help="A flume with waves instead of a dam break.")] = False,
 ) -> None:
     """Write NAME.toml, a commented case file to start from."""
-    from houle.new import write
+    from houle.case.new import write
 
     file = write(name, waves=waves)
     typer.echo(f"{file} written. Next: houle check {file}")
@@ -92,10 +92,10 @@ def check(
     picture: Annotated[Path, typer.Option(help="Where the picture of the section goes.")] = Path("section.png"),
 ) -> None:
     """Look at a case: findings, coefficients, cost, picture of the section. Runs nothing."""
-    from houle import check_report
-    from houle.case import load
+    from houle.case.model import load
+    from houle.check import report
 
-    check_report.show(load(case, _changes(overrides)), picture, threads)
+    report.show(load(case, _changes(overrides)), picture, threads)
 
 
 @app.command()
@@ -146,8 +146,8 @@ def describe(
     """Explain the choices a case file offers, with citations; `schema` prints the JSON Schema."""
     from rich.console import Console
 
-    from houle.case_errors import nearest
-    from houle.describe import TOPICS
+    from houle.case.describe import TOPICS
+    from houle.case.messages import nearest
     from houle.errors import CaseError
 
     if topic not in TOPICS:
@@ -222,7 +222,7 @@ def bench(
 
 def _changes(overrides: list[str] | None) -> dict[str, Any]:
     """--set key=value as a table of keys."""
-    from houle.case_files import parse_override
+    from houle.case.reading import parse_override
 
     return dict(parse_override(text) for text in overrides or [])
 

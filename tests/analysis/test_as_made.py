@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from houle import analysis, reflection
+from houle import analysis
 from houle.analysis import energies
-from houle.case import load
+from houle.case.model import load
+from houle.results import reflection
 
 
 def measured(case, end, scale=1.0):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from houle import analysis, impacts
+from houle import analysis
+from houle.results import impacts
 
 
 def triangle(time, top, width, at=1.0, base=0.0):

@@ -34,10 +34,10 @@ if __name__ == "__main__":
 
 from clouds import in_order, random_faces
 from houle import _core
-from houle.columns import Capacity
-from houle.geometry import Box
 from houle.grid import Grid
-from houle.porous import Medium, PorousBody
+from houle.medium.columns import Capacity
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box
 
 CPU_SECONDS, WALL_SECONDS = 5, 60  # of a call that hangs
 CALLS_PER_WORLD = 20

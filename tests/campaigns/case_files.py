@@ -29,10 +29,11 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-from houle import case_files, checks, new, preflight, wave_report
-from houle.case import Case, load
+from houle.case import new, reading
+from houle.case.model import Case, load
+from houle.check import cost, rules, wave_report
+from houle.check.open_sides import open_rows
 from houle.errors import CaseError
-from houle.open_checks import open_rows
 
 LIMIT, CLOCK = 2.0, 60.0  # s of processor time for a file, of waiting
 DRAWN = 50  # one file in so many is drawn
@@ -51,7 +52,7 @@ class Hang(BaseException):
 
 def seeds() -> list[str]:
     """Texts of the shipped cases and of the templates."""
-    shipped = [(case_files.SHIPPED / name / "case.toml").read_text(encoding="utf-8") for name in case_files.shipped()]
+    shipped = [(reading.SHIPPED / name / "case.toml").read_text(encoding="utf-8") for name in reading.shipped()]
     return [*shipped, *(t.read_text(encoding="utf-8").format(name="new") for t in (new.DAM_BREAK, new.WAVES))]
 
 
@@ -156,15 +157,15 @@ def file(number: int, seed: int, texts: list[str]) -> bytes | dict[str, Any]:
 def look(source: Path | dict[str, Any], picture: Path | None) -> None:
     """What `houle check` does, without the terminal."""
     case = load(source)
-    checks.require(case)
+    rules.require(case)
     wave_report.steady(case)
     for rows in (wave_report.wave_rows, wave_report.absorber_rows, wave_report.sponge_rows, open_rows):
         rows(case)
-    preflight.passports(case)
-    preflight.price(case)
+    cost.passports(case)
+    cost.price(case)
     case.to_toml()
     if picture is not None:
-        preflight.draw(case, picture)
+        cost.draw(case, picture)
 
 
 @contextmanager
@@ -191,7 +192,7 @@ def try_one(content: bytes | dict[str, Any], folder: Path, drawn: bool) -> str |
         (folder / "case.toml").write_bytes(content)
     else:
         try:
-            text = case_files.to_toml(content)
+            text = reading.to_toml(content)
             tomllib.loads(text)
             (folder / "case.toml").write_text(text, encoding="utf-8")
         except Exception:  # no file could hold it: tables may be given all the same
@@ -213,9 +214,9 @@ def furnish(folder: Path) -> None:
     """Files that the mutations name."""
     (folder / "data").mkdir()
     (folder / "folder").mkdir()
-    shutil.copy(case_files.SHIPPED / "bank-ship-wave" / "data" / "record.csv", folder / "data")
+    shutil.copy(reading.SHIPPED / "bank-ship-wave" / "data" / "record.csv", folder / "data")
     for name in ("surface.csv",):
-        shutil.copy(case_files.SHIPPED / "dam-break-rock-35" / "data" / name, folder / "data")
+        shutil.copy(reading.SHIPPED / "dam-break-rock-35" / "data" / name, folder / "data")
     (folder / "binary.csv").write_bytes(bytes(range(256)) * 4)
     os.mkfifo(folder / "fifo")
 

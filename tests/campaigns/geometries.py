@@ -5,9 +5,9 @@
 Boxes, polygons and slopes of porous and solid, porosities from 0.05 to 0.95, with drag and without, gates, sponges and
 open sides, water at rest and thrown, 2D and coarse 3D, all transfers, two kernels, with remeshing and without, both
 schemes: some hundred to a few thousand particles each. A case passes when its run comes to its end and its kinetic
-energy was never more than 1 % above what the water had and was given (houle.budget, which stops a run at 5 %). The case
-files of those that fail are written to FOLDER. Case number k of a seed is the same whatever runs before it. Ends with
-status 1 if any failed.
+energy was never more than 1 % above what the water had and was given (houle.flow.budget, which stops a run at 5 %). The
+case files of those that fail are written to FOLDER. Case number k of a seed is the same whatever runs before it. Ends
+with status 1 if any failed.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 
 from houle import load
 from houle.errors import CaseError, HouleError
-from houle.simulation import Simulation
+from houle.flow.simulation import Simulation
 
 TRANSFERS = ("fmpm", "fmpm", "flip", "apic", "pic")
 MOST_STEPS = 4000

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 
 import houle
+import houle.flow.simulation
 import houle.output.atomic
-import houle.runner
-import houle.session
-import houle.simulation
+import houle.running.runner
+import houle.running.session
 from houle.output import load_newest
 
 ROCK = {"box": [[0.2, 0.0], [0.3, 0.14]], "porosity": 0.5, "grain_diameter": 0.01,
@@ -93,8 +93,8 @@ def run_or_resume(case: Path, folder: Path, pictures: bool) -> None:
     """The case computed in the folder, or gone on with, whatever lies there."""
     houle.output.atomic._sync = lambda path: None  # the system lives on, and has what was written
     if not pictures:
-        houle.runner.draw = lambda run, session: None
-    houle.session.CHECKPOINT_EVERY, houle.session.COMMIT_EVERY = 0.5, 0.1
+        houle.running.runner.draw = lambda run, session: None
+    houle.running.session.CHECKPOINT_EVERY, houle.running.session.COMMIT_EVERY = 0.5, 0.1
     there = (folder / "run.json").exists() or any(folder.glob("checkpoint-*.h5"))
     houle.resume(folder, threads=1, progress=True) if there else houle.run(case, folder, threads=1, progress=True)
 

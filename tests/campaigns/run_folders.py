@@ -30,7 +30,7 @@ import numpy as np
 
 import houle
 import houle.output.atomic
-import houle.runner
+import houle.running.runner
 from houle.errors import HouleError, SimulationError
 from houle.output.checkpoint import checkpoints, load, save_checkpoint
 
@@ -202,7 +202,7 @@ def campaign(inputs: int, seed: int, tell: Callable[[str], Any] = print) -> list
     """Runs it; the faults found."""
     rng, ends, faults = random.Random(seed), Counter[str](), []
     houle.output.atomic._sync = lambda path: None
-    houle.runner.draw = lambda run, session: None
+    houle.running.runner.draw = lambda run, session: None
     with tempfile.TemporaryDirectory(prefix="folders-") as base:
         good = houle.run(CASE, out=Path(base, "good"), threads=1, until=0.03).directory
         houle.resume(shutil.copytree(good, Path(base, "resumed")), threads=1)  # all modules are loaded, for the forks

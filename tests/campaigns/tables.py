@@ -23,7 +23,8 @@ import scipy.optimize
 import scipy.signal  # noqa: F401
 import xarray  # noqa: F401  (what is imported late is no hang of an input)
 
-from houle import analysis, csv_table, laboratory
+from houle import analysis
+from houle.data import csv_table, laboratory
 from houle.errors import HouleError
 from houle.waves import record
 

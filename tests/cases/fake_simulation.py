@@ -1,4 +1,4 @@
-"""A stand-in for houle.simulation: a tank that sloshes as one body, cheap, and sensitive to every bit of its state.
+"""Stands in for houle.flow.simulation: a tank that sloshes as one body, cheap, and sensitive to every bit of its state.
 
 Its step size follows from the velocities, so that a step that is longer or shorter by a hair changes all that follows.
 Environment of the tests that run it in a process of its own: FAKE_PAUSE = seconds of sleep per step, FAKE_FAIL = the
@@ -14,8 +14,8 @@ from typing import ClassVar
 import numpy as np
 
 from houle.errors import SimulationError
-from houle.frame import Frame
-from houle.particles import Particles
+from houle.flow.particles import Particles
+from houle.flow.snapshot import Frame
 
 CASE = {
     "case": {"name": "tank"},

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import Grid
 
 SINGLE = 2e-7  # relative rounding of float32, in which fields are stored

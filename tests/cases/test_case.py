@@ -9,10 +9,10 @@ import jsonschema
 import numpy as np
 import pytest
 
-from houle.case import Case, load, schema
-from houle.case_files import find, parse_override, shipped
+from houle.case.model import Case, load, schema
+from houle.case.reading import find, parse_override, shipped
+from houle.case.tables.control import SCHEMES
 from houle.errors import CaseError
-from houle.tables.control import SCHEMES
 
 if sys.version_info >= (3, 11):
     import tomllib

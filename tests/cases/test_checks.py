@@ -5,9 +5,10 @@ import copy
 import pytest
 from matplotlib.image import imread
 
-from houle import checks, layout, preflight
-from houle.case import load
-from houle.case_files import shipped
+from houle.case.model import load
+from houle.case.reading import shipped
+from houle.check import cost, rules
+from houle.check import section as layout
 from houle.errors import CaseError
 
 RESISTANCE = {"law": "ergun-1952"}
@@ -35,24 +36,24 @@ def rock(**changes):
 
 
 def levels(case):
-    return {(f.level, f.key) for f in checks.check(case)}
+    return {(f.level, f.key) for f in rules.check(case)}
 
 
 def error(case):
     """The message of the one error of a case."""
     with pytest.raises(CaseError) as caught:
-        checks.require(case)
+        rules.require(case)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
 
 def test_a_sound_case_has_no_findings():
-    assert checks.check(tank(porous=[rock()], gauge=[{"x": 0.5}], sensor=[{"at": [0.1, 0.1]}])) == []
+    assert rules.check(tank(porous=[rock()], gauge=[{"x": 0.5}], sensor=[{"at": [0.1, 0.1]}])) == []
 
 
 @pytest.mark.parametrize("name", shipped())
 def test_shipped_cases_can_be_run(name):
-    assert all(f.level != "error" for f in checks.require(load(name)))
+    assert all(f.level != "error" for f in rules.require(load(name)))
 
 
 # what is wrong with the case, and the words of the one message
@@ -182,22 +183,22 @@ def test_a_sloping_layer_counts_across_not_along():
     thick = 0.02 * 2**0.5
     layer = {"polygon": [[0.3, 0.0], [0.6, 0.3], [0.6 - thick, 0.3], [0.3 - thick, 0.0]]}
     case = tank(porous=[rock(**layer, box=None, grain_diameter=0.002)])
-    section = checks.Section(case)
+    section = rules.Section(case)
     assert section.thickness(section.porous[0]) == pytest.approx(0.02, rel=0.03)
 
 
 def test_the_drop_of_the_level():
-    assert checks.Section(tank()).drop() == 0
+    assert rules.Section(tank()).drop() == 0
     dam = tank(water=[{"box": [[0.0, 0.0], [0.3, 0.3]]}, {"below": 0.1}])
-    assert checks.Section(dam).drop() == pytest.approx(0.2)
+    assert rules.Section(dam).drop() == pytest.approx(0.2)
     beach = tank(solid=[{"polygon": [[0.5, 0.0], [1.0, 0.0], [1.0, 0.45]]}])
-    assert checks.Section(beach).drop() == pytest.approx(0)  # the dry beach is no drop
+    assert rules.Section(beach).drop() == pytest.approx(0)  # the dry beach is no drop
 
 
 def test_a_column_of_water_thinner_than_what_is_sampled_is_seen():
     case = tank(water=[{"box": [[0.0005, 0.0], [0.0015, 0.3]]}])
     assert layout.Section(case).depth() == pytest.approx(0.3)
-    assert preflight.price(case).steps > 100
+    assert cost.price(case).steps > 100
 
 
 def test_three_dimensions_are_looked_at_layer_by_layer():
@@ -208,13 +209,13 @@ def test_three_dimensions_are_looked_at_layer_by_layer():
         "domain": {"size": [1.0, 0.5, 0.5], "spacing": 0.05},
         "water": [{"box": [[0.5, 0.0, 0.0], [1.0, 0.2, 0.3]]}],
     }
-    assert checks.check(tank(**tables, solid=[block(0.3, 0.5)]))[0].level == "warning"  # beside it, only shallow
+    assert rules.check(tank(**tables, solid=[block(0.3, 0.5)]))[0].level == "warning"  # beside it, only shallow
     assert "water[0] lies in a solid" in error(tank(**tables, solid=[block(0.1, 0.5)]))
 
 
 def test_a_gate_stands_on_the_nearest_face():
     case = tank(size=(0.892, 0.5), gate=[{"x": 0.29, "speed": 3.0}])
-    (finding,) = checks.check(case)
+    (finding,) = rules.check(case)
     h = 0.892 / 89
     assert finding.level == "info" and f"{29 * h:.6g}" in finding.text
 
@@ -224,11 +225,11 @@ def test_the_reference_file_must_be_there(tmp_path):
     file.write_text(tank(reference={"surface": "lab.csv"}).to_toml())
     assert 'reference.surface = "lab.csv"' in error(load(file))
     (tmp_path / "lab.csv").write_text("t_s,x_m,eta_m\n")
-    assert checks.require(load(file)) == []
+    assert rules.require(load(file)) == []
 
 
 def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
-    monkeypatch.setattr(checks, "machine_memory", lambda: 8e9)
+    monkeypatch.setattr(rules, "machine_memory", lambda: 8e9)
     message = error(tank(1e-6))  # 3e11 cells of water: must be told before anything is allocated
     assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "8 GB" in message
 
@@ -236,7 +237,7 @@ def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
 @pytest.mark.parametrize("memory", [None, 1e15])
 def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, memory):
     """On any machine, and told before anything is allocated: 1.2e10 half cells, where 32 bits number 2.1e9."""
-    monkeypatch.setattr(checks, "machine_memory", lambda: memory)
+    monkeypatch.setattr(rules, "machine_memory", lambda: memory)
     message = error(tank(1e-5))
     assert (
         "domain.spacing = 1e-05 m makes 1.2e+10 half cells" in message and "at most 2.15e+09 can be numbered" in message
@@ -248,22 +249,22 @@ def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, m
 
 
 def test_expected_velocity_of_a_passport_follows_the_drop():
-    still = preflight.passports(tank(porous=[rock()]))[0]
-    assert still.gradient == pytest.approx(preflight.STILL)
+    still = cost.passports(tank(porous=[rock()]))[0]
+    assert still.gradient == pytest.approx(cost.STILL)
     water = [{"box": [[0.0, 0.0], [0.3, 0.3]]}, {"below": 0.15}]
-    dam = preflight.passports(tank(porous=[rock()], water=water))[0]
+    dam = cost.passports(tank(porous=[rock()], water=water))[0]
     assert dam.gradient == pytest.approx(0.5)  # 0.15 m over 0.3 m
-    assert preflight.passports(tank(porous=[rock(box=[[0.3, 0.0], [0.4, 0.4]])], water=water))[0].gradient == 1.0
+    assert cost.passports(tank(porous=[rock(box=[[0.3, 0.0], [0.4, 0.4]])], water=water))[0].gradient == 1.0
 
 
 def test_the_price_counts_particles_and_follows_the_spacing():
-    coarse, fine = preflight.price(tank()), preflight.price(tank(0.005))
+    coarse, fine = cost.price(tank()), cost.price(tank(0.005))
     assert coarse.particles == 4 * 100 * 30 and coarse.cells == 5000
     assert fine.particles == 4 * coarse.particles
     assert fine.steps == pytest.approx(2**0.5 * coarse.steps, abs=2)  # still water: the shortest wave sets the step
-    assert preflight.price(tank(time={"end": 1.0, "step": 0.01})).steps == 100
+    assert cost.price(tank(time={"end": 1.0, "step": 0.01})).steps == 100
     block = {"domain": {"size": [1.0, 0.4, 0.5], "spacing": 0.1}}
-    assert preflight.price(tank(**block)).particles == 8 * 10 * 4 * 3
+    assert cost.price(tank(**block)).particles == 8 * 10 * 4 * 3
 
 
 def test_the_picture_shows_the_section(tmp_path):
@@ -274,7 +275,7 @@ def test_the_picture_shows_the_section(tmp_path):
         sensor=[{"at": [0.1, 0.1]}],
         gate=[{"x": 0.25, "speed": 1.0}],
     )
-    preflight.draw(case, tmp_path / "section.png")
+    cost.draw(case, tmp_path / "section.png")
     picture = imread(tmp_path / "section.png")
     pixels = picture[..., :3].reshape(-1, 3)
     for colour in ((0xA9, 0xD3, 0xEE), (0x77, 0x77, 0x77), (0xC0, 0x39, 0x2B)):  # water, solid, gate
@@ -331,7 +332,7 @@ def test_whatever_stands_anywhere_is_a_case_or_a_message(tmp_path):
                 target = target[key]
             target[path[-1]] = odd
             try:
-                checks.require(load(tables))
+                rules.require(load(tables))
                 good += 1
             except CaseError as error:
                 assert str(error) and "pydantic" not in str(error)
@@ -340,5 +341,5 @@ def test_whatever_stands_anywhere_is_a_case_or_a_message(tmp_path):
 
 def test_a_title_is_shown_as_it_is(tmp_path):
     case = tank(case={"name": "tank", "title": r"$\undefined and 50 % of $"})
-    preflight.draw(case, tmp_path / "section.png")
+    cost.draw(case, tmp_path / "section.png")
     assert (tmp_path / "section.png").exists()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from houle import checks
-from houle.case import load
+from houle.case.model import load
+from houle.check import rules
 from houle.errors import CaseError
 from houle.waves.piston import law_of, reading_of
 
@@ -50,7 +50,7 @@ def river(folder, end=20.0, **side):
 
 def told(case, level=None):
     """Findings about the file."""
-    return [f.text for f in checks.check(case) if f.key.endswith(".file") and level in (None, f.level)]
+    return [f.text for f in rules.check(case) if f.key.endswith(".file") and level in (None, f.level)]
 
 
 @pytest.mark.parametrize("maker", MAKERS)
@@ -59,7 +59,7 @@ def test_any_record_can_be_made_by_any_maker(tmp_path, maker, cut):
     """However a record is cut: what leads it to still water leaves a mean, of a thousandth of the height and more."""
     write(tmp_path, T[cut] - T[cut][0], WAVES[cut])
     case = flume(tmp_path, maker, end=float(T[cut][-1] - T[cut][0]))
-    checks.require(case)
+    rules.require(case)
     assert case.wave.components().mean != 0.0
     said = told(case)
     assert all("leaves out its mean" in text for text in said) and bool(said) == (maker == "source")
@@ -68,10 +68,10 @@ def test_any_record_can_be_made_by_any_maker(tmp_path, maker, cut):
 def test_a_mean_that_a_source_would_leave_out_is_refused(tmp_path):
     write(tmp_path, T, WAVES + 0.02)
     with pytest.raises(CaseError, match=r"mean of the record and what is not 0.18 to 9.6 m long"):
-        checks.require(flume(tmp_path, "source", source={"x": 4.0, "side": "right", "width": 0.6}))
-    checks.require(flume(tmp_path, "zone"))
+        rules.require(flume(tmp_path, "source", source={"x": 4.0, "side": "right", "width": 0.6}))
+    rules.require(flume(tmp_path, "zone"))
     with pytest.raises(CaseError, match=r"waves.piston.x = 11 m: it goes 2.7.* m to the right"):  # with the water
-        checks.require(flume(tmp_path, "piston", piston={"x": 11.0}))
+        rules.require(flume(tmp_path, "piston", piston={"x": 11.0}))
 
 
 def test_a_piston_goes_with_a_drawdown_and_rests_before_and_after_it(tmp_path):
@@ -94,7 +94,7 @@ def test_a_piston_goes_with_a_drawdown_and_rests_before_and_after_it(tmp_path):
 def test_a_clock_that_does_not_meet_the_run_is_refused_with_the_start_that_does(tmp_path, shift):
     write(tmp_path, T + shift, WAVES)
     with pytest.raises(CaseError, match=f"start = {shift:.12g} makes its first time t = 0") as error:
-        checks.require(flume(tmp_path))
+        rules.require(flume(tmp_path))
     assert "nothing in common" in str(error.value) and f"{shift:.12g} to {shift + 20:.12g} s" in str(error.value)
     moved = flume(tmp_path, start=shift)
     assert told(moved) == []
@@ -114,18 +114,18 @@ def test_a_hole_is_refused_with_its_place_unless_it_is_allowed(tmp_path):
     hole = (T < 5.975) | (T > 12.025)
     write(tmp_path, T[hole], WAVES[hole])
     with pytest.raises(CaseError, match=r"no sample between 5.95 and 12.05 s, elsewhere one every 0.05 s"):
-        checks.require(flume(tmp_path))
+        rules.require(flume(tmp_path))
     assert told(flume(tmp_path, gap=6.1)) == []
     assert told(flume(tmp_path, end=5.0)) == [], "the run does not come to it"
     write(tmp_path, T[hole] + 100.0, WAVES[hole])
     with pytest.raises(CaseError, match=r"between 105.95 and 112.05 s"):
-        checks.require(flume(tmp_path, start=100.0))
+        rules.require(flume(tmp_path, start=100.0))
 
 
 def test_rows_of_nan_are_a_hole(tmp_path):
     write(tmp_path, T, np.where((T > 8) & (T < 9), np.nan, WAVES))
     with pytest.raises(CaseError, match=r"no sample between 8 and 9 s"):
-        checks.require(flume(tmp_path))
+        rules.require(flume(tmp_path))
     lost = np.arange(len(T)) % 7 == 3
     write(tmp_path, T, np.where(lost, np.nan, WAVES))
     assert told(flume(tmp_path)) == [], "single ones are not"
@@ -135,7 +135,7 @@ def test_a_file_without_a_single_value_is_refused(tmp_path):
     write(tmp_path, T, np.full(len(T), np.nan))
     assert "needs at least 4 rows of finite numbers" in " ".join(told(flume(tmp_path), "error"))
     write(tmp_path, T, np.full(len(T), np.nan), columns="level_m")
-    found = [str(f) for f in checks.check(river(tmp_path)) if f.level == "error"]
+    found = [str(f) for f in rules.check(river(tmp_path)) if f.level == "error"]
     assert "needs at least 2 rows of finite numbers" in " ".join(found)
 
 

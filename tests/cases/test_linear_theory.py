@@ -2,8 +2,8 @@
 
 import pytest
 
-from houle import reflection
-from houle.case import load
+from houle.case.model import load
+from houle.results import reflection
 
 BOX = {"box": [[5.0, 0.0], [6.0, 0.4]]}
 FLUME = {

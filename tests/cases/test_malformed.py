@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from houle import checks, describe
-from houle.case import load
+from houle.case import describe
+from houle.case.model import load
+from houle.check import rules
 from houle.errors import CaseError
 
-CAMPAIGN = runpy.run_path(str(Path(__file__).parent.parent / "campaigns" / "case_files.py"))
+CAMPAIGN = runpy.run_path(str(Path(__file__).parent.parent / "campaigns" / "case/reading.py"))
 BASE = {
     "case": {"name": "a"},
     "domain": {"size": [4.0, 0.5], "spacing": 0.05},
@@ -67,7 +68,7 @@ def test_what_is_no_file_is_refused_and_not_read_for_ever(tmp_path, tables, key,
     text = load({**BASE, **tables}).to_toml().replace("FILE", name)
     (tmp_path / "a.toml").write_text(text)
     with pytest.raises(CaseError, match=rf"^{key} = "):  # no blank inside the key
-        checks.require(load(tmp_path / "a.toml"))
+        rules.require(load(tmp_path / "a.toml"))
 
 
 @pytest.mark.parametrize("source", ["x" * 5000, "a\0b", "/dev/zero", "/dev/null"])

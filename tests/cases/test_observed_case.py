@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import houle
-from houle.checks import check, require
+from houle.check.rules import check, require
 from houle.errors import CaseError
 
 CASE: dict[str, Any] = {

@@ -2,11 +2,11 @@
 
 import pytest
 
-from houle import checks
-from houle.case import load
+from houle.boundary.open_side import records
+from houle.case.model import load
+from houle.check import rules
+from houle.check.open_sides import open_rows
 from houle.errors import CaseError
-from houle.open_checks import open_rows
-from houle.sides import records
 
 RIVER = [{"side": "left", "discharge": 0.075, "ramp": 2.0}, {"side": "right", "level": 0.25}]
 
@@ -22,7 +22,7 @@ def channel(sides=None, **tables):
 
 
 def found(case):
-    return [(f.level, f.key, f.text) for f in checks.check(case) if f.level != "info" and "open" in f.key + f.text]
+    return [(f.level, f.key, f.text) for f in rules.check(case) if f.level != "info" and "open" in f.key + f.text]
 
 
 def test_a_good_river_is_left_in_peace():

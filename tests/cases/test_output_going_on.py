@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from made_run import assert_same_frame, made_case, made_frame, made_grid, write
 
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.output import (
     OutputError,
     Outputs,

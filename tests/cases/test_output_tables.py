@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 from made_run import made_case, made_frame, made_grid, made_sample, write
 
-from houle import fields, ledger
+from houle import fields
+from houle.flow import ledger
 from houle.output import (
     OutputError,
     Outputs,

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 
 from houle import load
-from houle.case_files import override
-from houle.checks import check, require
+from houle.case.reading import override
+from houle.check.rules import check, require
+from houle.check.wave_report import absorber_rows, steady, wave_rows
 from houle.errors import CaseError
-from houle.wave_report import absorber_rows, steady, wave_rows
 
 FLUME: dict[str, Any] = {
     "case": {"name": "flume"},

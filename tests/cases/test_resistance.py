@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from houle.case import load
-from houle.resistance import (
+from houle.case.model import load
+from houle.medium.resistance import (
     LAWS,
     coefficients,
     from_permeability,
@@ -225,8 +225,8 @@ def test_the_passport_says_what_the_added_mass_stands_before():
 
     from rich.console import Console
 
-    from houle.check_report import _passport
-    from houle.preflight import drag_of
+    from houle.check.cost import drag_of
+    from houle.check.report import _passport
 
     for on, words in (("motion", "C_r = 1.354 "), ("rate", "C_r = 1.354 before du/dt alone")):
         case = body(added_mass_on=on)
@@ -236,9 +236,9 @@ def test_the_passport_says_what_the_added_mass_stands_before():
 
 
 def test_run_theory_and_passport_have_the_same_drag():
-    from houle.preflight import drag_of
-    from houle.reflection import block_theory
-    from houle.simulation import Simulation
+    from houle.check.cost import drag_of
+    from houle.flow.simulation import Simulation
+    from houle.results.reflection import block_theory
 
     waves = {**REGULAR, "zone": {"x": [0.0, 2.4]}}
     tables = body(box=[[3.5, 0.0], [4.0, 0.4]], resistance={"law": "van-gent-1995"}).to_dict()

@@ -109,7 +109,7 @@ def test_suction_is_seen_and_round_off_is_not():
 
 
 def test_laboratory_points_are_drawn_and_scored(tmp_path):
-    from houle import laboratory
+    from houle.data import laboratory
     from houle.output import drawing, pictures
 
     grid, case = made_grid(), made_case()

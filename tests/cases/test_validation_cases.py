@@ -9,11 +9,11 @@ import xarray as xr
 from rich.console import Console
 
 import houle
-import houle.runner
+import houle.running.runner
 from houle import analysis
-from houle.case import load
-from houle.case_files import shipped
-from houle.checks import check
+from houle.case.model import load
+from houle.case.reading import shipped
+from houle.check.rules import check
 from houle.errors import CaseError, SimulationError
 from houle.validation import Check, cases, coefficients, comparison, engine, measure, validate
 from houle.validation.check import Variant
@@ -261,7 +261,7 @@ def test_unknown_case_is_refused_before_anything_runs():
 def test_exit_status_follows_the_checks(monkeypatch, value, status):
     judged = engine.Comparison(lambda run: [Check("it", value, limit=1.0)], (Variant(),))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "once", lambda case, *_: SimpleNamespace(case=case))
+    monkeypatch.setattr(houle.running.runner, "once", lambda case, *_: SimpleNamespace(case=case))
     assert validate(["standing-wave"], console=quiet()) == status
 
 
@@ -276,7 +276,7 @@ def test_a_failed_run_is_a_line_of_the_table_and_the_others_go_on(monkeypatch, t
         (Variant("coarse", {"domain.spacing": 0.02}), Variant()),
     )
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "once", once)
+    monkeypatch.setattr(houle.running.runner, "once", once)
     console = Console(record=True, width=160)
     assert validate(["porous-column"], out=tmp_path, console=console) == 1
     text = console.export_text()
@@ -287,7 +287,7 @@ def test_quick_leaves_out_what_is_not(monkeypatch):
     ran = []
     judged = engine.Comparison(lambda run: [], (Variant("slow", quick=False), Variant("fast")))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "once", lambda case, out, threads: ran.append(out.name))
+    monkeypatch.setattr(houle.running.runner, "once", lambda case, out, threads: ran.append(out.name))
     assert validate(["porous-column"], quick=True, console=quiet()) == 0
     assert ran == ["porous-column-fast"]
 
@@ -296,7 +296,7 @@ def test_variants_are_chosen_by_pattern_and_an_unknown_one_is_refused(monkeypatc
     ran = []
     judged = engine.Comparison(lambda run: [], tuple(map(Variant, ("", "T-1-s", "T-2-s", "T-2-s-wall"))))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.runner, "once", lambda case, out, threads: ran.append(out.name))
+    monkeypatch.setattr(houle.running.runner, "once", lambda case, out, threads: ran.append(out.name))
     assert validate(["porous-column"], variants=["T-2-*", ""], console=quiet()) == 0
     assert ran == ["porous-column", "porous-column-T-2-s", "porous-column-T-2-s-wall"]
     with pytest.raises(CaseError, match=r"T-3-.*There are: T-1-s"):
@@ -310,7 +310,7 @@ def test_what_is_finished_is_kept_what_was_cut_goes_on_and_the_table_is_a_file(m
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
     houle.run(load("porous-startup", overrides=short), out=tmp_path / "porous-startup-cut", threads=1, until=0.005)
     assert validate(["porous-startup"], out=tmp_path, threads=1, console=quiet()) == 0
-    monkeypatch.setattr(houle.runner, "run", None)  # nothing is begun again
+    monkeypatch.setattr(houle.running.runner, "run", None)  # nothing is begun again
     assert validate(["porous-startup"], out=tmp_path, threads=1, console=quiet()) == 0
     lines = (tmp_path / "porous-startup.csv").read_text(encoding="utf-8").splitlines()
     assert [line.split(",")[0] for line in lines] == ["variant", "done", "cut"]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from houle import checks, preflight, wave_report
-from houle.case import load
+from houle.case.model import load
+from houle.check import cost, rules, wave_report
 from houle.errors import CaseError
 
 WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25}  # L = 1.667 m
@@ -32,7 +32,7 @@ def block(x0=5.0, x1=6.0):
 
 def found(case):
     """(level, key, text) of every finding that is no info."""
-    return [(f.level, f.key, str(f)) for f in checks.check(case) if f.level != "info"]
+    return [(f.level, f.key, str(f)) for f in rules.check(case) if f.level != "info"]
 
 
 GOOD = {
@@ -154,7 +154,7 @@ def test_doubts_quote_the_numbers_and_the_cure(doubt):
     assert all(word in told[0] for word in words), told[0]
     if level == "error":
         with pytest.raises(CaseError):
-            checks.require(case)
+            rules.require(case)
 
 
 def test_the_window_is_that_of_the_analysis():
@@ -194,13 +194,13 @@ def test_the_report_names_wave_maker_and_sponge():
 
 def test_long_sections_are_enlarged_by_a_round_number():
     sizes = ((1.0, 0.5), (5.5, 1.0), (10.0, 0.4), (50.0, 1.0))
-    assert [preflight.enlargement(*size) for size in sizes] == [1, 1, 5, 10]
-    assert all(w / h / preflight.enlargement(w, h) <= 5.5 for w, h in ((7.0, 0.4), (300.0, 5.0), (2e4, 10.0)))
+    assert [cost.enlargement(*size) for size in sizes] == [1, 1, 5, 10]
+    assert all(w / h / cost.enlargement(w, h) <= 5.5 for w, h in ((7.0, 0.4), (300.0, 5.0), (2e4, 10.0)))
 
 
 @pytest.mark.parametrize("good", ["zone", "source", "3D"])
 def test_the_picture_shows_what_acts_on_the_water(good, tmp_path):
-    preflight.draw(GOOD[good], tmp_path / "section.png")
+    cost.draw(GOOD[good], tmp_path / "section.png")
     colours = np.round(imread(tmp_path / "section.png")[..., :3] * 255).reshape(-1, 3)
     names = np.abs(colours - (0x4D, 0x6F, 0x8C)).max(axis=1) < 3  # of the maker and the sponges, line of the source
     assert names.sum() > (300 if GOOD[good].waves.source else 50)
@@ -224,7 +224,7 @@ def focused(wave, maker, x, time, end=20.0):
 
 
 def of_focus(case):
-    return [(f.key, f.text) for f in checks.check(case) if f.key.startswith("waves.focus")]
+    return [(f.key, f.text) for f in rules.check(case) if f.key.startswith("waves.focus")]
 
 
 @pytest.mark.parametrize(

@@ -14,15 +14,15 @@ import pytest
 from typer.testing import CliRunner
 
 import houle
-from houle.case import load
-from houle.case_files import shipped
-from houle.checks import require
+from houle.case.describe import KERNELS, REMESHING, TOPICS, TRANSFERS
+from houle.case.describe import SCHEMES as WORDS
+from houle.case.model import load
+from houle.case.reading import shipped
+from houle.case.tables.control import SCHEMES, Numerics
+from houle.check.rules import require
 from houle.cli import app
-from houle.describe import KERNELS, REMESHING, TOPICS, TRANSFERS
-from houle.describe import SCHEMES as WORDS
 from houle.errors import CaseError, SimulationError
-from houle.resistance import LAWS
-from houle.tables.control import SCHEMES, Numerics
+from houle.medium.resistance import LAWS
 
 
 @pytest.fixture

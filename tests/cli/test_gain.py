@@ -44,8 +44,8 @@ def timed(flow, dt):
 
 faster.on = False
 _core.extrapolate, operations.move = faster, timed
-import houle.step
-houle.step.move = timed
+import houle.flow.step
+houle.flow.step.move = timed
 runner.draw = lambda run, session: None
 main()
 """

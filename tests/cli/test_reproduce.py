@@ -8,10 +8,12 @@ from dataclasses import replace
 import pytest
 from typer.testing import CliRunner
 
-from houle import checks, reflection, runner
+from houle.check import rules
 from houle.cli import app
 from houle.errors import SimulationError
 from houle.reproduction import command, measured, page, plan, work
+from houle.results import reflection
+from houle.running import runner
 
 FOLDER = plan.folder_of("jh2020")
 JOBS = plan.read(FOLDER)
@@ -25,7 +27,7 @@ def test_every_run_of_the_plan_passes_the_pre_flight(job):
     for quick in (False, True):
         case = job.load(None, quick)
         assert case.case.name == job.name
-        assert not [finding for finding in checks.check(case) if finding.level == "error"]
+        assert not [finding for finding in rules.check(case) if finding.level == "error"]
     if job.part != "dam-break":
         assert case.waves.height == job.height
         assert case.porous[0].name == "block" and case.porous[0].porosity == 0.85

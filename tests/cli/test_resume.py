@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import houle
-from houle import runner
 from houle.errors import CaseError
+from houle.flow.simulation import Simulation
 from houle.output import checkpoints, load_newest
-from houle.recorder import multiple
-from houle.simulation import Simulation
+from houle.running import runner
+from houle.running.recorder import multiple
 
 CASES = Path(__file__).parents[1] / "cases"
 sys.path.insert(0, str(CASES))
@@ -41,10 +41,10 @@ SCRIPT = """
 import os, sys
 if "FAKE_PAUSE" in os.environ:
     import fake_simulation
-    sys.modules["houle.simulation"] = fake_simulation
-import houle, houle.session
-houle.session.CHECKPOINT_EVERY = 0.1
-houle.session.COMMIT_EVERY = 0.0  # files are ahead of the checkpoint
+    sys.modules["houle.flow.simulation"] = fake_simulation
+import houle, houle.running.session
+houle.running.session.CHECKPOINT_EVERY = 0.1
+houle.running.session.COMMIT_EVERY = 0.0  # files are ahead of the checkpoint
 try:
     houle.run("case.toml", out="run", threads=1)
 except KeyboardInterrupt as reason:
@@ -77,7 +77,7 @@ def without_pictures(monkeypatch):
 
 @pytest.fixture
 def fake(monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "houle.simulation", fake_simulation)
+    monkeypatch.setitem(sys.modules, "houle.flow.simulation", fake_simulation)
     monkeypatch.chdir(tmp_path)
     return houle.load(fake_simulation.CASE)
 
@@ -121,7 +121,7 @@ def test_a_finished_run_is_returned_as_it_is(fake):
 def test_a_moved_folder_and_a_damaged_checkpoint_are_no_obstacle(fake, monkeypatch):
     whole = houle.run(fake)
     with monkeypatch.context() as patch:
-        patch.setattr("houle.session.CHECKPOINT_EVERY", 0.0)
+        patch.setattr("houle.running.session.CHECKPOINT_EVERY", 0.0)
         part = houle.run(fake, until=0.05)
     moved = part.directory.rename("elsewhere")
     newest = checkpoints(moved)[0]

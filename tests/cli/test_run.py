@@ -15,10 +15,11 @@ import numpy as np
 import pytest
 
 import houle
-from houle import laboratory, progress, runner
-from houle.cores import granted, usable
+from houle.data import laboratory
 from houle.errors import CaseError, SimulationError
-from houle.recorder import Observed, Recorder, interpolate, multiple
+from houle.running import progress, runner
+from houle.running.cores import granted, usable
+from houle.running.recorder import Observed, Recorder, interpolate, multiple
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import fake_simulation
@@ -27,7 +28,7 @@ import fake_simulation
 @pytest.fixture
 def tank(monkeypatch, tmp_path):
     """The case of the stand-in; runs go to a folder of their own."""
-    monkeypatch.setitem(sys.modules, "houle.simulation", fake_simulation)
+    monkeypatch.setitem(sys.modules, "houle.flow.simulation", fake_simulation)
     monkeypatch.setattr(runner, "draw", lambda run, session: None)
     monkeypatch.chdir(tmp_path)
     return houle.load(fake_simulation.CASE)
@@ -43,7 +44,7 @@ def test_a_run_with_its_pictures_loads_neither_xarray_nor_pandas_nor_pyplot(tmp_
 import sys
 sys.path.insert(0, {str(Path(fake_simulation.__file__).parent)!r})
 import fake_simulation
-sys.modules["houle.simulation"] = fake_simulation
+sys.modules["houle.flow.simulation"] = fake_simulation
 import houle
 run = houle.run(houle.load(fake_simulation.CASE), out={str(tmp_path / "out")!r}, progress=True)
 print([p.stem for p in run.pictures], [m for m in ("xarray", "pandas", "matplotlib.pyplot") if m in sys.modules])
@@ -386,8 +387,8 @@ def test_a_failure_leaves_a_bundle(tank, monkeypatch, how):
 
 
 def test_the_worst_particles_are_those_that_are_not_finite_then_the_fastest():
-    from houle.bundle import worst_particles
-    from houle.particles import Particles
+    from houle.flow.particles import Particles
+    from houle.running.failure import worst_particles
 
     velocity = np.array([[0.0, 0.0], [3.0, 4.0], [np.nan, 0.0], [1.0, 0.0]])
     worst = worst_particles(Particles(np.zeros((4, 2)), velocity, np.ones(4)))

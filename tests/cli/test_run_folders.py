@@ -14,12 +14,12 @@ import pytest
 from test_resume import assert_same
 
 import houle
-from houle import runner
 from houle.errors import CaseError, HouleError
 from houle.output import checkpoints, load_newest, save_checkpoint
 from houle.output.checkpoint import load
 from houle.output.fields import read_fields
 from houle.output.manifest import read_manifest
+from houle.running import runner
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "cases"))
 import fake_simulation
@@ -27,7 +27,7 @@ import fake_simulation
 
 @pytest.fixture
 def fake(monkeypatch, tmp_path):
-    monkeypatch.setitem(sys.modules, "houle.simulation", fake_simulation)
+    monkeypatch.setitem(sys.modules, "houle.flow.simulation", fake_simulation)
     monkeypatch.setattr(runner, "draw", lambda run, session: None)
     monkeypatch.setattr("houle.output.atomic._sync", lambda path: None)  # no power cuts here
     monkeypatch.chdir(tmp_path)

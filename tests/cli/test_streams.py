@@ -20,10 +20,10 @@ output = {every = 0.05}
 """
 SCRIPT = """
 import sys
-import houle.runner, houle.progress
+import houle.running.runner, houle.running.progress
 from houle.cli import main
-houle.runner.draw = lambda run, session: None
-houle.progress.LINE_EVERY = 0.0
+houle.running.runner.draw = lambda run, session: None
+houle.running.progress.LINE_EVERY = 0.0
 main()
 """
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="pipes and descriptors of POSIX")

@@ -12,10 +12,10 @@ import reference
 import reference_transfer
 from clouds import grids, linear_faces, numbered, random_faces, randoms, scattered, start_of
 from houle import _core
-from houle.geometry import Box, Polygon, Union, signed_distance
 from houle.grid import Grid
-from houle.porous import Medium
-from houle.solids import Outline
+from houle.medium.medium import Medium
+from houle.medium.shapes import Box, Polygon, Union, signed_distance
+from houle.medium.solids import Outline
 
 NO_GATES = np.zeros((0, 2))
 

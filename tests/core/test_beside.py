@@ -7,9 +7,9 @@ import pytest
 import shapely
 
 from houle import _core
-from houle.geometry import Box, Polygon
 from houle.grid import Grid
-from houle.porous import Medium, PorousBody
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box, Polygon
 
 ROUND_OFF = 1e-12
 PLANE, SPACE = Grid((9, 7), (0.1, 0.12), (False, False)), Grid((9, 5, 8), (0.1, 0.1, 0.12), (False, True, False))

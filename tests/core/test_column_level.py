@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from houle import _core
-from houle.columns import Capacity
-from houle.geometry import Box, Polygon
+from houle.flow.seeding import seed
 from houle.grid import Grid
-from houle.porous import Medium, PorousBody
-from houle.seeding import seed
+from houle.medium.columns import Capacity
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box, Polygon
 
 TOP = 4.0  # m
 levels = st.floats(0.15, TOP)

@@ -12,7 +12,7 @@ import reference_transfer
 from clouds import grids, numbered, random_faces, randoms
 from houle import _core
 from houle.grid import Grid
-from houle.resistance import inertia_coefficient
+from houle.medium.resistance import inertia_coefficient
 from houle.validation.exact import PorousMedium, bernoulli_jump, duct_flow
 
 LEAST = 0.05

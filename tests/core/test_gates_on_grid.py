@@ -7,15 +7,15 @@ import pytest
 
 from clouds import start_of
 from houle import _core
-from houle.columns import Capacity
-from houle.flow import Flow
-from houle.geometry import Box
+from houle.flow.operations import find_surface, sort
+from houle.flow.seeding import seed
+from houle.flow.state import Flow
+from houle.flow.transfer import Pic
 from houle.grid import FloatArray, Grid
-from houle.interfaces import Interfaces
-from houle.operations import find_surface, sort
-from houle.porous import Medium, PorousBody
-from houle.seeding import seed
-from houle.transfer import Pic
+from houle.medium.columns import Capacity
+from houle.medium.interfaces import Interfaces
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box
 
 FACE = 6  # of the gate, in cells
 ROUND_OFF = 1e-12

@@ -7,10 +7,10 @@ import pytest
 import shapely
 
 from houle.errors import CaseError
-from houle.geometry import EVERYWHERE, Box, Polygon, Union, layers, section, shape_of
 from houle.grid import Grid
-from houle.moments import Measure, around_faces, covered_faces, over_cells, section_moments, with_tent
-from houle.solids import Outline
+from houle.medium.integrals import Measure, around_faces, covered_faces, over_cells, section_moments, with_tent
+from houle.medium.shapes import EVERYWHERE, Box, Polygon, Union, layers, section, shape_of
+from houle.medium.solids import Outline
 
 ROUND_OFF = 1e-12
 STAR = shapely.Polygon(

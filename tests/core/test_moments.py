@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from houle.moments import cut_all
+from houle.medium.integrals import cut_all
 
 
 @pytest.mark.parametrize("seed", range(8))

@@ -7,9 +7,9 @@ import pytest
 import shapely
 
 import reference
-from houle.geometry import Box, Polygon, Shape
 from houle.grid import Grid
-from houle.porous import CLOSED, Medium, PorousBody
+from houle.medium.medium import CLOSED, Medium, PorousBody
+from houle.medium.shapes import Box, Polygon, Shape
 
 ROUND_OFF = 1e-12
 SINGLE = 2.0**-24  # half a unit of the last place at 1 in single precision, in which openness of faces is kept

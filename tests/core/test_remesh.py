@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 import reference_remesh as reference
 from clouds import lattice, numbered
 from houle import _core
+from houle.flow.particles import Particles
+from houle.flow.remeshers import STRATEGIES, Conservative, Paper
 from houle.grid import Grid
-from houle.particles import Particles
-from houle.porous import Medium
-from houle.remesh import STRATEGIES, Conservative, Paper
+from houle.medium.medium import Medium
 
 SCATTERS = ["lattice", "shaken", "random", "sparse"]
 

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import reference_remesh as reference
 from clouds import numbered, porosity_at
-from houle.geometry import Box
+from houle.flow.particles import Particles
+from houle.flow.remeshers import Conservative, Paper
 from houle.grid import Grid
-from houle.particles import Particles
-from houle.porous import Medium, PorousBody
-from houle.remesh import Conservative, Paper
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box
 
 SHUT = 0.0
 

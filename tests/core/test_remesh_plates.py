@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 
 import reference_remesh as reference
 from clouds import lattice, numbered
-from houle.geometry import Box
+from houle.flow.particles import Particles
+from houle.flow.remeshers import Conservative
 from houle.grid import FloatArray, Grid
-from houle.interfaces import Interfaces
-from houle.particles import Particles
-from houle.porous import PorousBody, partition
-from houle.remesh import Conservative
+from houle.medium.interfaces import Interfaces
+from houle.medium.medium import PorousBody, partition
+from houle.medium.shapes import Box
 
 
 class Plated:

@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 
 from clouds import lattice, porosity_at
 from houle import _core
-from houle.geometry import Box, Polygon
+from houle.flow.particles import Particles
+from houle.flow.remeshers import Conservative
 from houle.grid import FloatArray, Grid
-from houle.particles import Particles
-from houle.porous import Medium, PorousBody
-from houle.remesh import Conservative
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box, Polygon
 
 DATA = Path(__file__).parent / "data"
 

@@ -8,11 +8,11 @@ import shapely
 
 import reference
 from clouds import lattice
-from houle.geometry import Box, Polygon, Shape
+from houle.flow.particles import Particles
+from houle.flow.seeding import SLIVER, Settled, seed
 from houle.grid import Grid
-from houle.particles import Particles
-from houle.porous import Medium, PorousBody
-from houle.seeding import SLIVER, Settled, seed
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box, Polygon, Shape
 
 ROUND_OFF = 1e-12
 BEADS = 0.39
@@ -231,7 +231,7 @@ def test_beside_other_interfaces_it_lies_as_drawn(body: Shape):
 def assert_same_in_slabs(grid: Grid, medium: Medium, water: list[Shape], monkeypatch: pytest.MonkeyPatch):
     found = []
     for size in (10**9, 1):
-        monkeypatch.setattr("houle.seeding.SLAB", size)
+        monkeypatch.setattr("houle.flow.seeding.SLAB", size)
         found.append(seed(grid, medium, water))
     whole, slabs = found
     assert np.array_equal(whole.position, slabs.position) and np.array_equal(whole.volume, slabs.volume)

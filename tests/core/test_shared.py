@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from houle.geometry import Box
 from houle.grid import Grid
-from houle.porous import Medium, PorousBody
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box
 
 PLANE = Grid((12, 9), (0.1, 0.1), (False, False))
 ROUND = Grid((12, 9), (0.1, 0.1), (True, False))

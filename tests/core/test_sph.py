@@ -9,8 +9,8 @@ from scipy.integrate import quad
 import reference_sph as reference
 from clouds import lattice
 from houle import _core
+from houle.flow.viscosity import KERNEL_STIFFNESS, Smoothing
 from houle.grid import Grid
-from houle.viscosity import KERNEL_STIFFNESS, Smoothing
 
 KERNELS = sorted(KERNEL_STIFFNESS)
 

@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 import reference
 from clouds import grids, numbered, randoms, scattered, start_of
 from houle import _core
-from houle.flow import Flow
-from houle.geometry import Box, Polygon
+from houle.flow.operations import find_surface, portion, sort
+from houle.flow.particles import Particles
+from houle.flow.seeding import seed
+from houle.flow.state import Flow
+from houle.flow.transfer import Pic
 from houle.grid import Grid
-from houle.operations import find_surface, portion, sort
-from houle.particles import Particles
-from houle.porous import Medium, PorousBody
-from houle.seeding import seed
-from houle.transfer import Pic
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box, Polygon
 
 levels = st.floats(0.05, 7.5)  # cells, in a tank of 8
 FLAT = (6, 8)

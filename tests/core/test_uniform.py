@@ -5,9 +5,9 @@ import pytest
 import shapely
 
 from houle import _core
-from houle.geometry import Box, Polygon
 from houle.grid import Grid
-from houle.porous import Medium, PorousBody
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box, Polygon
 
 ROCK = {"porosity": 0.45, "a": 300.0, "inertia": 1.4}
 PLANE = Grid((40, 30), (0.1, 0.1), (False, False))

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from houle import load
-from houle.simulation import Simulation
+from houle.flow.simulation import Simulation
 
 ROCK = {"porosity": 0.49, "grain_diameter": 0.0159, "resistance": {"law": "van-gent-1995"}}
 

@@ -11,11 +11,11 @@ from test_porous_energy import energies, falling, thrown
 
 from houle import _core, load
 from houle.errors import SimulationError
-from houle.geometry import Box
+from houle.flow.simulation import Simulation
 from houle.grid import Grid
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.shapes import Box
 from houle.observe.bodies import BodyLoad
-from houle.porous import Medium, PorousBody
-from houle.simulation import Simulation
 from houle.validation.exact import bernoulli_jump, column_infiltration, duct_flow
 from houle.validation.media import medium
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from situations import DAM_BREAK, run, simulation
 
-import houle.step
+import houle.flow.step
 from houle.errors import SimulationError
 
 OPERATIONS = ("move", "correct_positions", "exchange", "arrange")
@@ -38,14 +38,14 @@ def broken(monkeypatch, case, operation, name, value, settings):
     sim = run(simulation(case, numerics__remesh_every=2, **settings), 5)
     if operation == "move" and "numerics__scheme" in settings:
         operation = "drift"  # the paper's
-    real = getattr(houle.step, operation)
+    real = getattr(houle.flow.step, operation)
 
     def then_spoil(flow, *arguments):
         result = real(flow, *arguments)
         getattr(flow.particles, name)[len(flow.particles) // 2 :: 7, ...] = value
         return result
 
-    monkeypatch.setattr(houle.step, operation, then_spoil)
+    monkeypatch.setattr(houle.flow.step, operation, then_spoil)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # NumPy's, on the way to the end
         run(sim, 3)

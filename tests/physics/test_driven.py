@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from situations import simulation
 
-from houle.operations import apply_forces, drive, project
+from houle.flow.operations import apply_forces, drive, project
 
 
 @pytest.mark.parametrize("out", [0.1, 0.04])

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from houle.resistance import inertia_coefficient, van_gent_1995
+from houle.medium.resistance import inertia_coefficient, van_gent_1995
 from houle.validation import exact
 from houle.validation.exact import PorousMedium
 

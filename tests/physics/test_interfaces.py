@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from situations import run, simulation
 
+from houle.flow.operations import arrange, move
 from houle.observe.points import velocity_at
-from houle.operations import arrange, move
 
 SLOSH: dict[str, Any] = {
     "case": {"name": "slosh-through-a-block"},

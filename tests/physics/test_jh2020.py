@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from situations import DAM_BREAK, run, simulation
 
-from houle.step import PaperStep
+from houle.flow.step import PaperStep
 
 FALL = {
     "case": {"name": "fall"},

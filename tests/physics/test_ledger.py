@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from situations import DAM_BREAK, run, simulation
 
-from houle.ledger import OPERATIONS
-from houle.operations import arrange
+from houle.flow.ledger import OPERATIONS
+from houle.flow.operations import arrange
 
 CHOICES = list(itertools.product(("houle", "jh2020"), ("fmpm", "flip", "pic", "apic")))
 

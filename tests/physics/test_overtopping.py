@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from situations import copy_state, differing, run, simulation
 
-from houle.crest import Crest
-from houle.geometry import Box
+from houle.flow.crest import Crest
+from houle.flow.particles import Particles
+from houle.flow.remeshers import Conservative
 from houle.grid import Grid
-from houle.particles import Particles
-from houle.porous import Medium
-from houle.remesh import Conservative
+from houle.medium.medium import Medium
+from houle.medium.shapes import Box
 
 ROCK: dict[str, Any] = {"porosity": 0.45, "grain_diameter": 0.04, "resistance": {"law": "van-gent-1995"}}
 EXACT = 1e-14  # m2: round-off of the volumes of some thousand particles

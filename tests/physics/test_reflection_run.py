@@ -5,10 +5,11 @@ import re
 
 import pytest
 
-from houle import reflection, twin, wave_report
-from houle.case import load
+from houle.case.model import load
+from houle.check import wave_report
 from houle.errors import CaseError
-from houle.progress import Silent
+from houle.results import reflection, wave_quality
+from houle.running.progress import Silent
 
 
 def test_theory_is_given_for_one_upright_block_only():
@@ -49,21 +50,21 @@ def test_a_window_after_the_end_is_warned_of():
 
 
 def test_twin_has_no_block_and_is_shared_by_all_blocks():
-    one = twin.twin_of(load("wave-block"))
-    other = twin.twin_of(load("wave-block", {"porous.block.porosity": 0.6, "time.end": 15.0}))
+    one = wave_quality.twin_of(load("wave-block"))
+    other = wave_quality.twin_of(load("wave-block", {"porous.block.porosity": 0.6, "time.end": 15.0}))
     assert not one.porous and one.sponge[-1].box[0][0] > 5.9 and one.hash == other.hash
-    assert one.hash != twin.twin_of(load("wave-block", {"waves.height": 0.03})).hash
+    assert one.hash != wave_quality.twin_of(load("wave-block", {"waves.height": 0.03})).hash
 
 
 def test_card_is_computed_once(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     case = load("wave-block")
-    kept = twin.folder() / f"{twin.twin_of(case).hash}-{twin._version()}.json"
+    kept = wave_quality.folder() / f"{wave_quality.twin_of(case).hash}-{wave_quality._version()}.json"
     kept.parent.mkdir(parents=True)
     kept.write_text(json.dumps({"height": 0.02}))
-    assert twin.card(case, Silent()) == {"height": 0.02, "kept": str(kept)}
-    assert twin.card(load(case, {"reflection.twin": False}), Silent()) == {}
-    assert "regular" in twin.card(load("breakwater", {"reflection.twin": True}), Silent())["problem"]
+    assert wave_quality.card(case, Silent()) == {"height": 0.02, "kept": str(kept)}
+    assert wave_quality.card(load(case, {"reflection.twin": False}), Silent()) == {}
+    assert "regular" in wave_quality.card(load("breakwater", {"reflection.twin": True}), Silent())["problem"]
 
 
 def test_a_run_says_its_reflection_or_why_there_is_none(tmp_path):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from situations import simulation
 
-from houle.room import Room
+from houle.medium.storage import Room
 
 CASE = {
     "case": {"name": "room"},

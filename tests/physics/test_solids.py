@@ -7,7 +7,7 @@ import pytest
 import shapely
 from situations import simulation
 
-from houle.geometry import Union, shape_of
+from houle.medium.shapes import Union, shape_of
 
 SPIKE = [[0.33, 0.0], [0.47, 0.0], [0.39, 0.11]]
 STEPS = {"2D": {"box": [[0.313, 0.0], [0.487, 0.067]]}, "spike": {"polygon": SPIKE}}

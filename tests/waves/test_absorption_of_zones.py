@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
+from houle.boundary.makers import RelaxationZone, damping
+from houle.boundary.sponge import resist
+from houle.case.tables.waves import Zone
 from houle.grid import Grid
-from houle.waves.makers import RelaxationZone, damping
-from houle.waves.sponge import resist
-from houle.waves.table import Zone
 from houle.waves.theories import regular
 
 DEPTH, PERIOD, CELLS = 0.01, 2.0, 400  # kd = 0.1

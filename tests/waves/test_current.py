@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from houle.case.tables.waves import Waves, make
 from houle.waves import dispersion
 from houle.waves.current import carried
-from houle.waves.table import Waves, make
 from houle.waves.theories import regular
 from houle.waves.wave import WaveError
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from houle.boundary.finite_source import FiniteSource
+from houle.boundary.makers import InternalSource, make_maker
+from houle.case.tables.waves import Waves, make
 from houle.grid import Grid
-from houle.waves.finite_source import FiniteSource
-from houle.waves.makers import InternalSource, make_maker
-from houle.waves.table import Waves, make
 from houle.waves.wave import WaveError
 
 TABLE = {"kind": "regular", "height": 0.02, "period": 1.2, "depth": 0.25}

@@ -7,9 +7,9 @@ from math import pi
 import numpy as np
 import pytest
 
+from houle.case.tables.waves import Waves, make
 from houle.waves.dispersion import wave_number
 from houle.waves.piston import Follower, Reading, biesel, double_harmonic, law_of, modes, reading_of, response
-from houle.waves.table import Waves, make
 from houle.waves.wave import WaveError
 
 DEPTH, GRAVITY = 0.25, 9.81

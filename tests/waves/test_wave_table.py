@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from houle.case.tables.waves import Source, Waves, Zone, make
 from houle.waves.spectra import irregular
-from houle.waves.table import Source, Waves, Zone, make
 from houle.waves.theories import PASSPORTS, REGULAR
 
 REGULAR_WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25, "source": {"x": 2.0}}

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.csv_table import missing_codes
+from houle.data.csv_table import missing_codes
 
 Real = NDArray[np.float64]
 UNITS = (1.0, 1e-2, 1e-3)  # in which a code may have been written before it became metres

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError, positive
 from houle.analysis.holes import ROUNDED, UNITS, rising, seconds
-from houle.csv_table import LENGTHS, TIMES, Table, is_time, missing_codes, read_table, unit_of
+from houle.data.csv_table import LENGTHS, TIMES, Table, is_time, missing_codes, read_table, unit_of
 
 if TYPE_CHECKING:
     import xarray

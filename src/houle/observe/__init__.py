@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from houle.flow import Flow
-from houle.geometry import Shape, shape_of
+from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid, axes
+from houle.medium.shapes import Shape, shape_of
 from houle.observe.bodies import BodyLoad
 from houle.observe.levels import Gauges, Phreatic, Profile
 from houle.observe.points import Sensors, at_points

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from houle.flow import Flow
+from houle.flow.state import Flow
 from houle.grid import FloatArray
-from houle.moments import Measure, over_cells
+from houle.medium.integrals import Measure, over_cells
+from houle.medium.medium import partition
 from houle.observe.profile import wet_share
 from houle.observe.surfaces import Load, moment
-from houle.porous import partition
 
 
 class BodyLoad:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.flow import Flow
+from houle.flow.state import Flow
 from houle.grid import FloatArray
 
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.divided import Thickened, behind_plates, on_their_side
-from houle.flow import Flow
-from houle.geometry import Shape
+from houle.flow.state import Flow
 from houle.grid import FloatArray
+from houle.medium.plates import Thickened, behind_plates, on_their_side
+from houle.medium.shapes import Shape
 from houle.observe.profile import Indices, SolidsAt, around, body_levels, mean_of_known
 
 THIN = 0.25  # cells of water on a solid that are not taken for its level: less than a layer of particles

@@ -12,11 +12,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from houle.flow import Flow
-from houle.geometry import Shape, section, spans_inside
+from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
-from houle.moments import edges
-from houle.porous import Medium, partition
+from houle.medium.integrals import edges
+from houle.medium.medium import Medium, partition
+from houle.medium.shapes import Shape, section, spans_inside
 
 Indices = NDArray[np.intp]
 BESIDE = 1e-6  # [cells] what is solid on both sides of a line, so near, is so on the line

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from houle.flow import Flow
+from houle.flow.state import Flow
 from houle.grid import FloatArray
 from houle.observe.profile import ground
 

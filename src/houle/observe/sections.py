@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from houle.crest import Crest
-from houle.flow import Flow
+from houle.flow.crest import Crest
+from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
+from houle.medium.medium import Medium, partition
 from houle.observe.profile import around, layer_at, open_spans, wet_share
-from houle.porous import Medium, partition
 
 
 class Section:

@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from houle.flow import Flow
-from houle.geometry import Shape, Span, repeated, section
+from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
-from houle.moments import cut, cut_all, edges, section_moments, span_moments
+from houle.medium.integrals import cut, cut_all, edges, section_moments, span_moments
+from houle.medium.medium import partition
+from houle.medium.shapes import Shape, Span, repeated, section
 from houle.observe.points import cell_below, still_gravity
 from houle.observe.profile import Indices
-from houle.porous import partition
 
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (-1, 0), "top": (-1, 1)}
 NEAR = 1e-6  # [cells] from a surface, the cell on its wet side is looked for

@@ -38,7 +38,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import Grid
 from houle.observe import stations
 from houle.output.atomic import OutputError

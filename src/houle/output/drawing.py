@@ -31,8 +31,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from houle.geometry import Box
 from houle.grid import Grid
+from houle.medium.shapes import Box
 from houle.output.atomic import replacing
 
 INK, GREY, FAINT = "#22303c", "#7d8a96", "#dfe4e8"

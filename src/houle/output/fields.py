@@ -22,7 +22,7 @@ import h5py
 import numpy as np
 
 from houle.errors import CaseError
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import FloatArray, Grid
 from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, OutputError, put_aside, regular, remove, reported, told

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import Grid
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
-from houle import laboratory
-from houle.frame import Frame
+from houle.data import laboratory
+from houle.data.laboratory import Data
+from houle.flow.snapshot import Frame
 from houle.grid import FloatArray, Grid
-from houle.laboratory import Data
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
 from houle.output.drawing import LABORATORY, SHADE, WATER, headings, sheet

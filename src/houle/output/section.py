@@ -11,10 +11,10 @@ from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from houle.divided import added, at_width
-from houle.frame import Frame
-from houle.geometry import shape_of
+from houle.flow.snapshot import Frame
 from houle.grid import FloatArray, Grid
+from houle.medium.plates import added, at_width
+from houle.medium.shapes import shape_of
 from houle.output import drawing
 from houle.output.drawing import Sheet, sheet
 

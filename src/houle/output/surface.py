@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.fields import find
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import Grid
 from houle.output import netcdf
 from houle.output.growing import Growing

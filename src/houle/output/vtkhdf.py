@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.fields import Field, at, find
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import FloatArray, Grid
 from houle.output.atomic import DAMAGES, new_hdf5, regular
 from houle.output.series import describe

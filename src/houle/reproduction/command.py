@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from houle import checks
-from houle.progress import duration, reporter
+from houle.check import rules
 from houle.reproduction import page
 from houle.reproduction.measured import gather
 from houle.reproduction.plan import choose, folder_of, read
 from houle.reproduction.work import compute
+from houle.running.progress import duration, reporter
 
 REPORT = "report.md"
 
@@ -39,7 +39,7 @@ def reproduce(
     plan = read(folder)
     chosen = [(job, job.load(spacing, quick)) for job in choose(plan, only, quick)]
     for _, case in chosen:
-        checks.require(case)
+        rules.require(case)
     here = Path(out or f"reproduction-{paper}")
     done = compute(chosen, here, threads, says, progress)
     says.say("houle: figures and page")

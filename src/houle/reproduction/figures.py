@@ -13,7 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
-from houle import laboratory
+from houle.data import laboratory
 from houle.grid import FloatArray, Grid
 from houle.output import drawing
 from houle.output.drawing import GREY, INK, LABORATORY, LINES, WATER, headings, label, sheet

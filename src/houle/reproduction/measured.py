@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from houle import analysis, laboratory, reflection
-from houle.csv_table import read_columns
+from houle import analysis
+from houle.data import laboratory
+from houle.data.csv_table import read_columns
 from houle.grid import FloatArray
 from houle.reproduction.plan import Job
-from houle.runner import Run
+from houle.results import reflection
+from houle.running.runner import Run
 
 TABLE = "table1.csv"
 COLUMNS = ("slope", "height", "C", "A", "B", "H_R", "H_I", "C_R", "figure", "top", "bottom")

@@ -11,13 +11,13 @@ from string import Template
 import numpy as np
 
 from houle.output.atomic import write_text
-from houle.progress import duration
-from houle.reflection import first_harmonic, wave_of
 from houle.reproduction import figures
 from houle.reproduction.measured import INSTANTS, Found, Pair, Printed, WaveRun, lorentz
 from houle.reproduction.pack import pack
 from houle.reproduction.work import Done
-from houle.runner import Run
+from houle.results.reflection import first_harmonic, wave_of
+from houle.running.progress import duration
+from houle.running.runner import Run
 
 FIGURES = "figures"
 PERIODS = (0.8, 1.0, 1.2, 1.5, 2.0)  # s, of the table of theory

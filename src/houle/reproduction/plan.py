@@ -8,9 +8,9 @@ from fnmatch import fnmatchcase as fnmatch
 from pathlib import Path
 from typing import Any
 
-from houle.case import Case, load
-from houle.case_errors import nearest
-from houle.case_files import read_toml
+from houle.case.messages import nearest
+from houle.case.model import Case, load
+from houle.case.reading import read_toml
 from houle.errors import CaseError
 
 FOLDER = Path(__file__).parent

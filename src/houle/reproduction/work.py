@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 
-from houle.case import Case
+from houle.case.model import Case
+from houle.check.cost import price
 from houle.errors import SimulationError
-from houle.preflight import price
-from houle.progress import Silent, duration
 from houle.reproduction.plan import Job
-from houle.runner import Run, once, open_run
+from houle.running.progress import Silent, duration
+from houle.running.runner import Run, once, open_run
 
 RUNS = "runs"
 

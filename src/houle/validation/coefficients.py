@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 
-from houle import reflection
 from houle.analysis import porous_block
 from houle.output.drawing import INK, LINES, headings, sheet, style
+from houle.results import reflection
 from houle.validation import tables
 
 if TYPE_CHECKING:
     from houle.analysis import Reflection, Scatter
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 FRICTION = np.linspace(0.05, 1.2, 24)  # of the curves
 HEAD = ("variant", "T s", "n", "f", "behind", "H_I mm", "C_R", "95 %", "theory", "C_T", "95 %", "theory")

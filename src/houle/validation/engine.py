@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from houle.case import load
+from houle.case.model import load
 from houle.errors import CaseError, HouleError
 from houle.validation import tables
 from houle.validation.check import Check, Variant
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 FOLDER = Path(__file__).parent
 
@@ -127,7 +127,7 @@ def _results(
 
 def _run(name: str, variant: Variant, folder: Path, threads: int | None) -> Run:
     """The run of a variant in its folder: computed, gone on with, or as it was left there by the same case."""
-    from houle.runner import once
+    from houle.running.runner import once
 
     case = load(name, overrides=dict(variant.overrides))
     return once(case, folder / "-".join(filter(None, (name, variant.name))), threads)

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from houle.frame import Frame
+from houle.flow.snapshot import Frame
 from houle.grid import FloatArray
 from houle.validation.check import Check
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 
 def read_points(path: Path) -> Any:

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.resistance import coefficients, inertia_coefficient
+from houle.medium.resistance import coefficients, inertia_coefficient
 from houle.validation.exact import PorousMedium
 
 if TYPE_CHECKING:
-    from houle.tables.tank import Fluid, Porous
+    from houle.case.tables.tank import Fluid, Porous
 
 
 def medium(body: Porous, fluid: Fluid) -> PorousMedium:

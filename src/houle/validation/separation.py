@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle import analysis, reflection
+from houle import analysis
+from houle.results import reflection
 from houle.validation.check import Check, report
 
 if TYPE_CHECKING:
     from houle.grid import FloatArray
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 C_R, PHASE = 0.25, 0.7  # of the reflected wave
 EXACT = 1e-8

@@ -9,11 +9,11 @@ import numpy as np
 
 from houle import analysis
 from houle.grid import FloatArray
-from houle.reflection import first_harmonic, wave_of
+from houle.results.reflection import first_harmonic, wave_of
 from houle.validation.flume import PERIODS
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 
 def window(run: Run) -> tuple[float, float]:

@@ -19,8 +19,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from houle.case.tables.waves import Waves
 from houle.waves.dispersion import wave_number
-from houle.waves.table import Waves
 from houle.waves.wave import Array, Components, Wave, WaveError, ramp
 
 Complex = NDArray[np.complex128]

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.history import History, read_history
+from houle.data.history import History, read_history
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components, WaveError

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle import analysis, reflection
+from houle import analysis
+from houle.results import reflection
 from houle.validation.check import Check, report
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 HEIGHT = 10.0  # %: of some 50 waves; 8 seeds at the gauges scatter by 3 % (of 22 waves: by 8 %)
 MADE = 5.0  # %, off the same sea by theory in the same window

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.laboratory import level
+from houle.data.laboratory import level
 from houle.validation.check import Check, Variant, report
 from houle.validation.measure import at_time, volume_checks
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 INSTANTS = np.round(np.arange(0.0, 2.21, 0.2), 1)
 PLACES = np.array([0.15, 0.445, 0.75])

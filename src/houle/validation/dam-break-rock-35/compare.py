@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle import laboratory
+from houle.data import laboratory
 from houle.grid import FloatArray
 from houle.validation.check import Check, Variant, report
 from houle.validation.measure import grid_convergence_index, noise, rms, volume_checks, water_left_of
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 POINTS = laboratory.read(Path(__file__).parent / "data" / "surface.csv")
 INSTANT, LIFTED = 10.8, 10.0  # mm, targets without and with the gate as a plate

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.reflection import wave_of
+from houle.results.reflection import wave_of
 from houle.validation.check import Check, Variant, report
 from houle.validation.flume import piston
 from houle.validation.measure import largest
 from houle.validation.waves import card, second_harmonic
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 HEIGHT, SPURIOUS, CELERITY = 2.0, 2.0, 0.5  # %
 FREE, LEVEL = 2.0, 0.1  # % of H, mm

@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from houle import reflection
+from houle.results import reflection
 from houle.validation import coefficients, separation
 from houle.validation.check import Check, Variant, report
 from houle.validation.flume import block, linear
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 LINEAR, QUADRATIC = 0.02, 0.05  # absolute, of C_R and C_T: linear drag, Darcy-Forchheimer drag made linear
 SMALL = 0.005  # m, height of the waves of the table

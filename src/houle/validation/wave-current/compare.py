@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from houle import analysis
-from houle.reflection import first_harmonic, wave_of
+from houle.results.reflection import first_harmonic, wave_of
 from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest
 from houle.waves import dispersion
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 PERIODS = 4  # measured
 LENGTH, HEIGHT, CURRENT = 1.0, 3.0, 2.0  # %

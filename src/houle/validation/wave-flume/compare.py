@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle import reflection
 from houle.grid import FloatArray
-from houle.reflection import first_harmonic, wave_of
+from houle.results import reflection
+from houle.results.reflection import first_harmonic, wave_of
 from houle.validation.check import Check, Variant, report
 from houle.validation.flume import empty, one_sided, two_sided, wall
 from houle.validation.measure import largest
 from houle.validation.waves import card, second_harmonic, window
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
     from houle.waves.wave import Wave
 
 HEIGHT, SIDES, SPURIOUS = 2.0, 1.0, 2.0  # %

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from math import hypot
 from typing import TYPE_CHECKING
 
-from houle import reflection
-from houle.case import load
+from houle.case.model import load
+from houle.results import reflection
 from houle.validation.check import Check, Variant, report
 from houle.validation.flume import block
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.runner import Run
+    from houle.running.runner import Run
 
 UPRIGHT, STEEP = "upright", "80-mm"
 BODY = load("wave-slope").porous[0].model_dump(include={"porosity", "grain_diameter", "added_mass", "resistance"})

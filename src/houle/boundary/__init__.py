@@ -1,0 +1,1 @@
+"""What acts on the water from outside: moving walls, open sides, wave makers, sponges."""

@@ -1,0 +1,97 @@
+"""What moves a paddle: the law of the wave it makes, and active absorption of what comes back.
+
+A wave that reaches a wall is not sent back if the wall moves as the wave itself would move it: with the velocity
+omega / c_0 per elevation of the wave, c_0 of linear wave maker theory, away from where the wave came from. The paddle
+finds the elevation of the travelling wave in the pressure on its face (`waves.piston.Reading`), takes off what its own
+wave gives, and follows the rest: the law u = -sqrt(g/d) eta of long waves (Schaffer & Klopman 2000, J. Waterw. Port
+Coast. Ocean Eng. 126, 88), right for all waves of one frequency and nearly so around it.
+
+The pressure answers at once to the acceleration of the paddle: the law is therefore solved together with that answer,
+as for a mass that hangs on the paddle. What it reads is older than the step that begins by one to two steps: the line
+through the last readings goes on to the middle of the step.
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from houle.grid import FloatArray
+from houle.waves.piston import Law, Reading
+
+if TYPE_CHECKING:
+    from houle.boundary.paddle import Paddle
+    from houle.flow.state import Flow
+
+READINGS = 4  # through which the line goes
+TERMS = 200  # of the pressure on an accelerated wall
+
+
+class Drive:
+    """Moves a paddle by a law, or absorbs, or both.
+
+    memory  [way given so far, velocity of giving in this step and in the last, count of readings, (time, reading) ...]
+    """
+
+    def __init__(self, law: Law | None, read: Reading, flow: Flow, absorb: bool) -> None:
+        self.law, self.read, self.absorb = law, read, absorb
+        grid = flow.grid
+        self.z = grid.axis_points(grid.dimension - 1)
+        self.weights = read.weights(self.z, grid.spacing[-1])
+        self.answer = float(np.sum(self.weights * pushed(self.z, read.depth))) / read.gravity
+        self.memory = np.zeros(4 + 2 * READINGS)
+
+    def way(self, flow: Flow, paddle: Paddle, dt: float) -> float:
+        offset = paddle.x - paddle.rest
+        way = self.law.way(flow.time, dt, offset) if self.law is not None else 0.0
+        return way + dt * self._give(flow, paddle, dt) if self.absorb else way
+
+    def _give(self, flow: Flow, paddle: Paddle, dt: float) -> float:
+        """Velocity [m/s] with which it gives way to what it reads, and comes back."""
+        m = self.memory
+        s, kick = self.read.speed, 0.5 * (flow.last_step + dt)
+        hung = s * self.answer / kick
+        m[2] = m[1]
+        m[1] = (hung * m[1] - paddle.water * s * self._expected_excess(flow.time + dt / 2)) / (1.0 + hung)
+        velocity = m[1] - m[0] * self.read.back
+        m[0] += velocity * dt
+        return float(velocity)
+
+    def notice(self, flow: Flow, paddle: Paddle) -> None:
+        if not self.absorb:
+            return
+        m, made = self.memory, 0.0
+        if self.law is not None:
+            made = self.law.expected(flow.time, paddle.x - paddle.rest, self.read)
+        moved = paddle.water * self.answer * (m[1] - m[2]) / flow.kick
+        m[4:-2] = m[6:]
+        m[-2:] = flow.time, self.elevation(flow, paddle) - made - moved
+        m[3] = min(m[3] + 1, READINGS)
+
+    def elevation(self, flow: Flow, paddle: Paddle) -> float:
+        """Elevation of the travelling wave in the pressure on the face [m]."""
+        g, d, c = self.read.gravity, self.read.depth, paddle.column
+        level = np.nan_to_num(flow.eta[c], nan=d)[..., None]
+        still = g * (d - self.z)
+        beyond = np.where(flow.active[c] == 1, flow.pressure[c] - still, g * (level - d))
+        return float(np.mean(np.sum(self.weights * beyond, axis=-1))) / g
+
+    def _expected_excess(self, t: float) -> float:
+        """The reading at time t [s], on the line through the last ones."""
+        count = int(self.memory[3])
+        if count == 0:
+            return 0.0
+        time, value = self.memory[4:].reshape(READINGS, 2)[READINGS - count :].T
+        mean = time.mean()
+        spread = float(np.sum((time - mean) ** 2))
+        slope = float(np.sum((time - mean) * value)) / spread if spread > 0.0 else 0.0
+        return float(value.mean() + slope * (t - mean))
+
+
+def pushed(z: FloatArray, depth: float) -> FloatArray:
+    """p/rho [m2/s2] on a wall that is accelerated at 1 m/s2 into water at rest: the surface stays, p = 0 there."""
+    k = (np.arange(TERMS) + 0.5) * pi / depth
+    terms = 2 / (depth * k**2) * np.where(np.arange(TERMS) % 2, -1.0, 1.0)
+    return np.where(z < depth, np.cos(np.outer(z, k)) @ terms, 0.0)

@@ -1,0 +1,1 @@
+"""The case file: its tables, how it is read and overridden, and what is said of one that is wrong."""

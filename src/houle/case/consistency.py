@@ -1,0 +1,125 @@
+"""Whether the tables of a case file agree with each other: dimensions, names, and what one says of another."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from houle.case import messages
+
+if TYPE_CHECKING:
+    from houle.case.model import Case
+
+PREFIXES = {  # of names
+    "porous": "porous-", "solid": "solid-", "sponge": "sponge-", "absorber": "absorber-", "gauge": "G",
+    "sensor": "P", "runup": "R", "overtopping": "O", "force": "F", "phreatic": "L", "flux": "Q",
+}  # fmt: skip
+
+WEAK = 1e-3  # [m/s2] gravity that makes no waves worth the name
+
+
+def disagreements(case: Case) -> list[str]:
+    """One line per finding: key, value, cure."""
+    d, found = case.domain.dimension, []
+    for key in ("water", "porous", "solid", "sponge"):
+        for i, shape in enumerate(getattr(case, key)):
+            if shape.box is not None and len(shape.box[0]) != d:
+                place = messages.place((key, i, "box"), case.__dict__)
+                found.append(
+                    f"{place} has corners of {len(shape.box[0])} numbers, domain.size has {d}: give {d} everywhere"
+                )
+    for i, sensor in enumerate(case.sensor):
+        if len(sensor.at) != d:
+            place = messages.place(("sensor", i, "at"), case.__dict__)
+            found.append(f"{place} has {len(sensor.at)} numbers, domain.size has {d}: give {d}")
+    if case.fluid.acceleration is not None and len(case.fluid.acceleration) != d:
+        found.append(f"fluid.acceleration has {len(case.fluid.acceleration)} numbers, domain.size has {d}: give {d}")
+    if case.fluid.gravity < WEAK and (need := [k for k in ("waves", "absorber", "open") if getattr(case, k)]):
+        found.append(
+            f"fluid.gravity = {case.fluid.gravity:g} m/s2: there are no waves without gravity, and [{need[0]}] needs "
+            f"them: gravity >= {WEAK:g}"
+        )
+    if case.waves is not None and case.waves.direction and d == 2:
+        found.append(f"waves.direction = {case.waves.direction:g} degrees in 2D, where waves go along x: remove it")
+    for key in ("gauge", "phreatic"):
+        for i, row in enumerate(getattr(case, key)):
+            if (row.y is None) == (d == 3):
+                place = messages.place((key, i, "y"), case.__dict__)
+                found.append(f"{place} is {'missing in 3D: add y [m]' if d == 3 else 'given in 2D: remove it'}")
+    for i, water in enumerate(case.water):
+        if water.velocity is not None and len(water.velocity) != d:
+            found.append(f"water[{i}].velocity has {len(water.velocity)} numbers, domain.size has {d}: give {d}")
+    if len({row.side for row in case.open}) < len(case.open):
+        found.append(f'open: the side "{case.open[0].side}" is given twice; put both into one table')
+    found += _unknown_bodies(case)
+    for i, force in enumerate(case.force):
+        place = messages.place(("force", i), case.__dict__)
+        if force.about is not None and len(force.about) != d:
+            found.append(f"{place}.about has {len(force.about)} numbers, domain.size has {d}: give {d}")
+        if d == 2 and force.side in ("front", "back"):
+            found.append(f'{place}.side = "{force.side}" exists in 3D only; this domain has two sizes')
+    for key in PREFIXES:
+        names = [row.name for row in getattr(case, key)]
+        found += [
+            f"{key}: the name {n} is given twice; names must differ"
+            for n in sorted({n for n in names if names.count(n) > 1})
+        ]
+    if case.reflection is not None and case.waves is not None and case.waves.current:
+        found.append(
+            f"reflection: waves.current = {case.waves.current:g} m/s: incident and reflected waves have other lengths "
+            "on a current and cannot be taken apart; remove [reflection]"
+        )
+    return found + _reflection_fits(case)
+
+
+def _unknown_bodies(case: Case) -> list[str]:
+    """What is wrong with the names of bodies whose force or phreatic line is asked for."""
+    porous, solid = [b.name for b in case.porous], [b.name for b in case.solid]
+    wanted = [("force", i, f.body, porous + solid) for i, f in enumerate(case.force) if f.body is not None]
+    wanted += [("phreatic", i, p.body, porous) for i, p in enumerate(case.phreatic)]
+    found = []
+    for key, i, name, names in wanted:
+        what = f'{messages.place((key, i, "body"), case.__dict__)} = "{name}"'
+        if name not in names:
+            kind = "porous body" if key == "phreatic" else "porous body or solid"
+            there = f" There are: {', '.join(names)}" if names else f" The case has no {kind}"
+            found.append(f"{what} is the name of no {kind}.{messages.nearest(name, names)}{there}")
+        elif names.count(name) > 1:
+            found.append(f"{what} is the name of a porous body and of a solid: rename one of them")
+    return found
+
+
+def _reflection_fits(case: Case) -> list[str]:
+    """What is wrong between [reflection] and the rest."""
+    asked = case.reflection
+    if asked is None:
+        return []
+    if case.waves is None or case.waves.kind in ("solitary", "focused", "series"):
+        held = "there are no [waves]" if case.waves is None else f'waves.kind = "{case.waves.kind}"'
+        return [f"reflection needs regular or irregular waves, {held}: remove [reflection]"]
+    place = {gauge.name: gauge.x for gauge in case.gauge}
+    named = [("gauges", name) for name in asked.gauges] + [("behind", name) for name in asked.behind]
+    found = [
+        f"reflection.{key}: there is no gauge {name}.{messages.nearest(name, place)} There are: "
+        f"{', '.join(place) or 'none'}"
+        for key, name in named
+        if name not in place
+    ]
+    start, structure = case.waves.place, asked.structure
+    outside = [x for x in structure if not 0 <= x <= case.domain.size[0]]
+    if outside:
+        return [*found, f"reflection.structure: {outside[0]:g} m is outside the tank, 0 to {case.domain.size[0]:g}"]
+    towards = 1.0 if structure[0] > start else -1.0
+    if len(structure) == 2 and towards * (structure[1] - structure[0]) <= 0:
+        found.append(
+            f"reflection.structure = [{structure[0]:g}, {structure[1]:g}]: first the face that the waves from "
+            f"x = {start:g} m meet, then the back"
+        )
+    for key, name in named:
+        after = key == "behind"
+        beyond = structure[-1] if after else structure[0]
+        if name in place and (towards * (place[name] - beyond) > 0) != after:
+            found.append(
+                f"reflection.{key}: gauge {name} stands at {place[name]:g} m, {'not ' if after else ''}behind "
+                f"{beyond:g} m: move it, or name another"
+            )
+    return found

@@ -1,0 +1,190 @@
+"""The case file: its tables together, and how it is read. Data only; unknown keys are errors.
+
+The models of `tables/` are named as the TOML tables. They know the file, not the physics of the whole:
+`check/rules.py` looks at that. What a writer gets wrong is explained by `messages.py`, one line per finding. To add a
+key, add a field with its unit and range.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from math import inf
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
+
+from houle.case import messages
+from houle.case.consistency import PREFIXES, disagreements
+from houle.case.reading import find, override, plain, read_toml, to_toml
+from houle.case.tables.base import Table
+from houle.case.tables.control import SCHEMES, Numerics, Output, Time
+from houle.case.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic, RunUp, Sensor
+from houle.case.tables.results import Reference, Reflection
+from houle.case.tables.sides import Open
+from houle.case.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
+from houle.case.tables.waves import Waves, make
+from houle.errors import CaseError
+from houle.flow.viscosity import longest_step
+from houle.waves.wave import Wave
+
+
+class Case(Table):
+    """A case file of houle: waves and dam-break flow through porous structures. SI units throughout."""
+
+    case: Head
+    domain: Domain
+    fluid: Fluid = Fluid()
+    water: Annotated[
+        tuple[Water, ...], Field(strict=False, min_length=1, description="where water stands at the start")
+    ]
+    porous: Annotated[tuple[Porous, ...], Field(strict=False, max_length=100, description="porous bodies")] = ()
+    solid: Annotated[tuple[Solid, ...], Field(strict=False, description="impermeable bodies")] = ()
+    open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
+    gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
+    waves: Waves | None = None
+    sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
+    absorber: Annotated[tuple[Absorber, ...], Field(strict=False, description="walls that absorb waves")] = ()
+    gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
+    sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
+    runup: Annotated[tuple[RunUp, ...], Field(strict=False, description="run-up on slopes and walls")] = ()
+    overtopping: Annotated[tuple[Overtopping, ...], Field(strict=False, description="water over crests")] = ()
+    force: Annotated[tuple[Force, ...], Field(strict=False, description="forces on structures")] = ()
+    phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
+    flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
+    time: Time
+    numerics: Numerics = Numerics()
+    output: Output = Output()
+    reflection: Reflection | None = None
+    reference: Reference | None = None
+    _path: Path | None = PrivateAttr(None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def fill_names(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        value = dict(value)
+        for key, prefix in PREFIXES.items():
+            rows = value.get(key)
+            if isinstance(rows, (list, tuple)):
+                value[key] = [
+                    {"name": f"{prefix}{i}", **row} if isinstance(row, dict) else row
+                    for i, row in enumerate(rows, start=1)
+                ]
+        return value
+
+    @model_validator(mode="after")
+    def tables_agree(self) -> Case:
+        if found := disagreements(self):
+            raise ValueError("\n".join(found))
+        return self
+
+    @property
+    def folder(self) -> Path:
+        """Where the other files lie that it names."""
+        return self._path.parent if self._path else Path()
+
+    @property
+    def path(self) -> Path | None:
+        """The file it came from, if any: other files it names lie beside it."""
+        return self._path
+
+    @property
+    def dimension(self) -> int:
+        return self.domain.dimension
+
+    @property
+    def acceleration(self) -> tuple[float, ...]:
+        """Gravity and fluid.acceleration together, per axis, last up [m/s2]."""
+        push = self.fluid.acceleration or (0.0,) * self.dimension
+        return (*push[:-1], push[-1] - self.fluid.gravity)
+
+    @property
+    def wave(self) -> Wave | None:
+        """The wave of [waves], None without. Raises WaveError, a CaseError, where theory has none."""
+        return None if self.waves is None else make(self.waves, self.fluid.gravity, self.folder)
+
+    @property
+    def drag_period(self) -> float:
+        """Period of the flow to and fro in porous bodies [s], for the laws of resistance that know it.
+
+        The period of regular waves, T_m-1,0 of sums of waves; infinite without waves, and for a single one. Raises
+        WaveError as `wave`.
+        """
+        wave = self.wave
+        parts = None if wave is None else wave.components()
+        if wave is None or parts is None:
+            return inf
+        return wave.period if self.waves is not None and self.waves.kind == "regular" else parts.energy_period
+
+    @property
+    def viscous_step(self) -> float:
+        """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
+        held = any(map(any, self.domain.walls.no_slip(self.dimension)))
+        return longest_step(self.domain.grid, self.fluid.viscosity, self.numerics.scheme == "jh2020", held)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain lists, tables and numbers as a file would hold them, defaults written out; `load` reads it back."""
+        data = self.model_dump(mode="json", exclude_none=True)
+        if self.time.step is not None:
+            del data["time"]["courant"]
+        return data
+
+    def to_toml(self) -> str:
+        """A case file that gives the same case."""
+        return to_toml(self.to_dict())
+
+    @property
+    def hash(self) -> str:
+        """16 hexadecimal digits of everything in the case, defaults included."""
+        return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema of the case file, for editors and forms."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **Case.model_json_schema()}
+
+
+def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] | None = None) -> Case:
+    """The case in a file, or the shipped case of that name, or the tables of a dict. SI units.
+
+    overrides  {"domain.spacing": 0.01, "porous.dam.porosity": 0.4}: a body, gauge or sensor by its name or its
+    number from 0.
+    Raises CaseError, one line per finding: key, value, allowed range, cure. Whether the shapes fit together is looked
+    at by `checks.require`.
+    """
+    if isinstance(source, Case):
+        if not overrides:
+            return source
+        path, data = source.path, source.to_dict()
+        if "numerics.scheme" in overrides:  # what the old scheme had set does not stand in the way of the new one
+            old = SCHEMES[source.numerics.scheme]
+            data["numerics"] = {k: v for k, v in data["numerics"].items() if old.get(k) != v}
+    elif isinstance(source, dict):
+        path, data = None, plain(source)
+    elif not isinstance(source, str | Path):
+        raise CaseError(f"case = {source!r}: give a file, the name of a shipped case, a dict of its tables, or a Case")
+    else:
+        path = find(source)
+        data = read_toml(path)
+    if not (overrides is None or (isinstance(overrides, Mapping) and all(isinstance(key, str) for key in overrides))):
+        raise CaseError(f'overrides = {overrides!r}: give a dict of keys and values, {{"domain.spacing": 0.01}}')
+    for key, value in plain(overrides or {}).items():
+        override(data, key, value)
+        if key in ("time.step", "time.courant"):
+            data["time"].pop("courant" if key == "time.step" else "step", None)
+    if immense := list(messages.immense(data)):
+        text = f"is beyond any measure: 0, or between {messages.SMALLEST:g} and {messages.LARGEST:g}, in SI units"
+        raise CaseError(messages.several([f"{messages.told(loc, data)} {text}" for loc in immense]))
+    if odd := list(messages.unprintable(data)):
+        text = "holds a control character: letters, digits, signs and blanks only"
+        raise CaseError(messages.several([f"{messages.told(loc, data)} {text}" for loc in odd]))
+    try:
+        case = Case.model_validate(data)
+    except ValidationError as error:
+        raise CaseError(messages.explain(error, Case, data)) from None
+    case._path = path
+    return case

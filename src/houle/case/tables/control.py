@@ -1,0 +1,106 @@
+"""How it is computed and written: [time] [numerics] [output]."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from houle.case.tables.base import Table
+
+# What `scheme` stands for. Any single key of [numerics] overrides it.
+SCHEMES: dict[str, dict[str, Any]] = {
+    "houle": {
+        "transfer": "fmpm",
+        "order": 4,
+        "flip": 0.99,
+        "kernel": "linear",
+        "remesh": "conservative",
+        "remesh_every": 5,
+        "correction": 0.5,
+        "tolerance": 1e-7,
+    },
+    "jh2020": {
+        "transfer": "flip",
+        "order": 1,
+        "flip": 1.0,
+        "kernel": "gaussian-taylor2",
+        "remesh": "paper",
+        "remesh_every": 200,
+        "correction": 0.0,
+        "tolerance": 1e-7,
+    },
+}
+WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
+SHORTEST = 1e-6  # of sqrt(h/g), the time in which a cell falls by itself: a flow that asks for shorter steps is none
+
+
+class Time(Table):
+    """[time]"""
+
+    end: float = Field(gt=0, le=1e6, description="simulated time [s]", examples=[2.0])
+    courant: float = Field(
+        0.5, gt=0, le=1, description="cells that the fastest particle may cross in a step, at most [-]"
+    )
+    step: float | None = Field(default=None, gt=0, description="fixed time step instead of courant [s]")
+
+    @model_validator(mode="after")
+    def one_control(self) -> Time:
+        if self.step is not None and "courant" in self.model_fields_set:
+            raise ValueError(
+                f"step = {self.step:g} and courant = {self.courant:g} are given together: keep one of them"
+            )
+        if self.step is not None and self.step > self.end:
+            raise ValueError(f"step = {self.step:g} is longer than the whole run: 0 < step <= end = {self.end:g} s")
+        return self
+
+
+class Numerics(Table):
+    """[numerics]: `houle describe numerics` explains the choices."""
+
+    scheme: Literal["houle", "jh2020"] = Field(
+        default="houle", description="a set of choices; the keys below override it"
+    )
+    transfer: Literal["fmpm", "flip", "pic", "apic"] = Field(default="fmpm", description="particles to grid and back")
+    order: int = Field(default=4, ge=1, le=20, description="number of terms of fmpm")
+    flip: float = Field(
+        default=0.99, ge=0, le=1, description="share of FLIP in the blend with PIC, transfer flip only [-]"
+    )
+    kernel: Literal["linear", "quadratic", "m4prime", "gaussian", "gaussian-taylor2", "gaussian-cell"] = Field(
+        default="linear", description="transfer kernel"
+    )
+    remesh: Literal["conservative", "paper", "none"] = Field(
+        default="conservative", description="how particles are made regular again"
+    )
+    remesh_every: int = Field(default=5, ge=1, description="least number of steps between remeshings")
+    correction: float = Field(
+        default=0.5, ge=0, le=1, description="position correction towards uniform volume, 0 = off [-]"
+    )
+    tolerance: float = Field(
+        default=1e-7, gt=0, le=1e-2, description="of the pressure: max abs(div u_d) dt, a relative volume change [-]"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def fill_from_scheme(cls, value: Any) -> Any:
+        if not isinstance(value, dict):
+            return value
+        scheme = value.get("scheme", "houle")
+        return {**SCHEMES.get(scheme if isinstance(scheme, str) else "", {}), **value}
+
+    @model_validator(mode="after")
+    def kernel_suits_transfer(self) -> Numerics:
+        if self.transfer == "fmpm" and self.kernel == "m4prime":
+            raise ValueError(
+                'kernel = "m4prime" has negative weights, for which the terms of transfer = "fmpm" do not converge: '
+                'take kernel = "quadratic", or transfer = "flip"'
+            )
+        return self
+
+
+class Output(Table):
+    """[output]"""
+
+    every: float = Field(default=0.05, gt=0, description="interval of fields and surface profiles [s]")
+    series_every: float = Field(default=0.005, gt=0, description="interval of gauges, sensors and ledger [s]")
+    movie: bool = Field(default=False, description="also write an MP4 (needs the extra houle[movie])")

@@ -1,0 +1,300 @@
+"""The tank and what is in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]] [[gate]] [[sponge]]
+[[absorber]]."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from houle.case import messages
+from houle.case.tables.base import Name, Point, Point2, Table
+from houle.grid import Grid
+from houle.medium.resistance import LAWS
+
+Side = Literal["slip", "no-slip"]
+MOST_CELLS = 1e15  # in a domain: they can be numbered; whether they can be held the checks say
+
+
+class Head(Table):
+    """[case]"""
+
+    name: Name = Field(description="short name of the case, also of its result folder: letters, digits, - _ .")
+    title: str = Field(default="", max_length=500, description="one line for pictures and reports")
+
+
+class Walls(Table):
+    """domain.walls: one word for every side, or a table. Opposite sides are joined by x = "periodic" (y in 3D)."""
+
+    left: Side = Field(default="slip", description="side x = 0")
+    right: Side = Field(default="slip", description="side x = size[0]")
+    front: Side = Field(default="slip", description="side y = 0, 3D only")
+    back: Side = Field(default="slip", description="side y = size[1], 3D only")
+    bottom: Side = Field(default="slip", description="floor, z = 0")
+    top: Side = Field(default="slip", description="lid, z = size[-1]")
+    x: Literal["periodic"] | None = Field(default=None, description="joins left and right")
+    y: Literal["periodic"] | None = Field(default=None, description="joins front and back, 3D only")
+
+    @model_validator(mode="before")
+    @classmethod
+    def one_word(cls, value: Any) -> Any:
+        if not isinstance(value, str):
+            return value
+        if value not in ("slip", "no-slip"):
+            later = ": an open side is a table [[open]], with its side" if value == "open" else ""
+            raise ValueError(f'= "{value}" is not one of "slip", "no-slip", or a table of sides{later}')
+        return dict.fromkeys(("left", "right", "front", "back", "bottom", "top"), value)
+
+    @model_validator(mode="after")
+    def joined_sides_have_no_wall(self) -> Walls:
+        for axis, pair in (("x", ("left", "right")), ("y", ("front", "back"))):
+            both = [s for s in pair if s in self.model_fields_set]
+            if getattr(self, axis) and both and len(self.model_fields_set) < 6:
+                raise ValueError(
+                    f'{both[0]} is given although {axis} = "periodic" joins that side: remove one of the two'
+                )
+        return self
+
+    def no_slip(self, dimension: int) -> tuple[tuple[bool, bool], ...]:
+        """Per axis, last up: whether the low and the high side hold the water back along them."""
+        pairs = [("left", "right"), ("front", "back"), ("bottom", "top")]
+        chosen = pairs if dimension == 3 else [pairs[0], pairs[2]]
+        return tuple((getattr(self, a) == "no-slip", getattr(self, b) == "no-slip") for a, b in chosen)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
+        return {"anyOf": [{"enum": ["slip", "no-slip"]}, handler.resolve_ref_schema(handler(core_schema))]}
+
+
+class Domain(Table):
+    """[domain]: a box from the origin. Two sizes: 2D (x, z); three: 3D (x, y, z)."""
+
+    size: Annotated[
+        tuple[Annotated[float, Field(gt=0, le=1e5)], ...],
+        Field(
+            strict=False,
+            min_length=2,
+            max_length=3,
+            description="length along each axis, the last is up [m]",
+            examples=[[1.0, 0.5]],
+        ),
+    ]
+    spacing: float = Field(gt=0, description="grid spacing; particles start at half of it [m]", examples=[0.005])
+    walls: Walls = Field(default=Walls(), description='"slip", "no-slip", or a table of sides')
+
+    @model_validator(mode="after")
+    def fits(self) -> Domain:
+        if self.spacing > min(self.size) * (1 + 1e-9):
+            hint = messages.guess("spacing", self.spacing, upper=min(self.size) / 5)
+            raise ValueError(
+                f"spacing = {self.spacing:g} is larger than the domain, {self.size_text}: "
+                f"0 < spacing <= {min(self.size):g} m, best below {min(self.size) / 20:g}.{hint}"
+            )
+        cells = math.prod(length / self.spacing for length in self.size)
+        if cells > MOST_CELLS:
+            raise ValueError(
+                f"spacing = {self.spacing:g} makes {cells:.2g} cells of the domain, {self.size_text}: at most "
+                f"{MOST_CELLS:g}, from spacing = {self.spacing * (cells / MOST_CELLS) ** (1 / self.dimension):.2g} m on"
+            )
+        given = self.walls.model_fields_set
+        if self.dimension == 2 and (self.walls.y or (len(given) < 6 and {"front", "back"} & given)):
+            raise ValueError("walls: y, front and back exist in 3D only; this domain has two sizes")
+        return self
+
+    @property
+    def dimension(self) -> int:
+        return len(self.size)
+
+    @property
+    def size_text(self) -> str:
+        return " x ".join(f"{s:g}" for s in self.size) + " m"
+
+    @property
+    def periodic(self) -> tuple[bool, ...]:
+        """Per axis, last up."""
+        joined = [self.walls.x is not None, self.walls.y is not None]
+        return (*joined[: self.dimension - 1], False)
+
+    @property
+    def grid(self) -> Grid:
+        return Grid.fit(self.size, self.spacing, self.periodic)
+
+
+class Fluid(Table):
+    """[fluid]"""
+
+    density: float = Field(default=1000.0, ge=100, le=20000, description="density of the water [kg/m3]")
+    viscosity: float = Field(default=1.0e-6, ge=0, lt=0.1, description="kinematic viscosity [m2/s]")
+    gravity: float = Field(default=9.81, ge=0, le=100, description="gravity, downwards along the last axis [m/s2]")
+    smagorinsky: float = Field(
+        default=0.0, ge=0, le=0.5, description="Smagorinsky constant of the eddy viscosity, 0 = off [-]"
+    )
+    acceleration: Point | None = Field(default=None, description="uniform push added to gravity, per axis [m/s2]")
+
+
+class Shape(Table):
+    """One of box, polygon, below. Several tables of the same kind add up to their union."""
+
+    box: Annotated[tuple[Point, Point], Field(strict=False)] | None = Field(
+        default=None, description="lower and upper corner [[x, z], [x, z]], 3D [[x, y, z], [x, y, z]] [m]"
+    )
+    polygon: Annotated[tuple[Point2, ...], Field(strict=False, min_length=3)] | None = Field(
+        default=None,
+        description="corners [[x, z], ...] in the vertical section; in 3D it goes through the whole width [m]",
+    )
+    below: float | None = Field(default=None, gt=0, description="everything below this level z [m]")
+
+    @model_validator(mode="after")
+    def one_shape(self) -> Shape:
+        given = [k for k in ("box", "polygon", "below") if getattr(self, k) is not None]
+        if len(given) != 1:
+            held = " and ".join(given) + " are given together" if given else "no shape is given"
+            raise ValueError(
+                f": {held}; give exactly one of box = [[x, z], [x, z]], polygon = [[x, z], ...], below = level"
+            )
+        if self.box is not None:
+            _is_a_box(self.box)
+        return self
+
+
+def _is_a_box(box: tuple[Point, Point]) -> None:
+    """Raises ValueError."""
+    low, high = box
+    if len(low) != len(high):
+        raise ValueError(f"box has corners of {len(low)} and {len(high)} numbers: both need the same")
+    if any(a >= b for a, b in zip(low, high, strict=True)):
+        raise ValueError(f"box = {messages.show(box)} is empty: the lower corner must stand first, all below")
+
+
+class Water(Shape):
+    """[[water]]: where water stands at the start. Inside a porous body it fills the pores."""
+
+    velocity: Point | None = Field(
+        default=None, description="Darcy velocity at the start, per axis; at rest when left out [m/s]"
+    )
+
+
+class Solid(Shape):
+    """[[solid]]: impermeable."""
+
+    name: Name = Field(default="", description="for messages and pictures; solid-1, ... when left out")
+
+
+class Resistance(Table):
+    """porous.resistance: a published law, or the canonical pair a, b, or permeability and forchheimer."""
+
+    law: str | None = Field(
+        default=None,
+        description="published law, see `houle describe resistance`",
+        json_schema_extra={"enum": list(LAWS)},
+    )
+    alpha: float | None = Field(default=None, ge=0, le=1e5, description="linear coefficient of the law [-]")
+    beta: float | None = Field(default=None, ge=0, le=1e3, description="quadratic coefficient of the law [-]")
+    kc: float | None = Field(
+        default=None, gt=0, description="one Keulegan-Carpenter number for all, instead of that where the water is [-]"
+    )
+    period: float | None = Field(
+        default=None,
+        gt=0,
+        description="of the flow to and fro, for KC where the water is; that of [waves] when left out, steady without "
+        "them [s]",
+    )
+    a: float | None = Field(
+        default=None, ge=0, description="canonical linear coefficient, drag = a u_d + b abs(u_d) u_d [1/s]"
+    )
+    b: float | None = Field(default=None, ge=0, description="canonical quadratic coefficient [1/m]")
+    permeability: float | None = Field(default=None, gt=0, le=1, description="K_p = nu/a [m2]")
+    forchheimer: float | None = Field(default=None, ge=0, le=1e3, description="C_f = b sqrt(K_p) [-]")
+
+    @property
+    def given(self) -> dict[str, float]:
+        """Coefficients of the law that the file states itself."""
+        return {k: v for k in ("alpha", "beta", "kc", "period") if (v := getattr(self, k)) is not None}
+
+    @model_validator(mode="after")
+    def one_way(self) -> Resistance:
+        if self.law is not None and self.law not in LAWS:
+            raise ValueError(
+                f'law = "{self.law}" is not known.{messages.nearest(self.law, LAWS)} Laws: {", ".join(LAWS)}'
+            )
+        ways = [
+            [k for k in keys if getattr(self, k) is not None]
+            for keys in (("law",), ("a", "b"), ("permeability", "forchheimer"))
+        ]
+        if [len(w) for w in ways] not in ([1, 0, 0], [0, 2, 0], [0, 0, 2]):
+            held = ", ".join(k for w in ways for k in w) or "nothing"
+            raise ValueError(f": {held} given; give law = ..., or both a and b, or both permeability and forchheimer")
+        extra = set(self.given) - set(LAWS[self.law].coefficients if self.law else {})
+        if extra:
+            raise ValueError(f"{min(extra)} does not belong to {self.law or 'coefficients given directly'}: remove it")
+        if self.kc is not None and self.period is not None:
+            raise ValueError(
+                f": kc = {self.kc:g} and period = {self.period:g} s are two ways to say the same; give one"
+            )
+        return self
+
+
+class Porous(Shape):
+    """[[porous]]: a rigid porous body."""
+
+    name: Name = Field(default="", description="for messages, pictures and --set; porous-1, ... when left out")
+    porosity: float = Field(gt=0, le=1, description="pore volume / total volume [-]", examples=[0.45])
+    grain_diameter: float | None = Field(
+        default=None, gt=0, le=5, description="median grain diameter d50, needed by every law [m]"
+    )
+    resistance: Resistance = Field(description="{law = ...}, {a, b} or {permeability, forchheimer}")
+    added_mass: float = Field(default=0.34, ge=0, le=10, description="gamma in C_r = 1 + gamma (1-n)/n [-]")
+    added_mass_on: Literal["motion", "rate"] = Field(
+        default="motion", description="what it stands before: all of Du/Dt, or du/dt at a place alone"
+    )
+
+    @model_validator(mode="after")
+    def law_has_grains(self) -> Porous:
+        if self.resistance.law is not None and self.grain_diameter is None:
+            raise ValueError(f'grain_diameter is missing: resistance.law = "{self.resistance.law}" needs it [m]')
+        return self
+
+
+class Gate(Table):
+    """[[gate]]: a thin plate across the domain at x, lifted. It and its lower edge stand on the nearest grid lines."""
+
+    x: float = Field(description="position [m]")
+    speed: float = Field(gt=0, le=100, description="upward speed of its lower edge [m/s]")
+    start: float = Field(default=0.0, ge=0, description="time at which it starts to rise [s]")
+
+
+class Absorber(Table):
+    """[[absorber]]: a wall across the tank that gives way to the waves that reach it: active absorption."""
+
+    name: Name = Field(default="", description="for messages and results; absorber-1, ... when left out")
+    x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
+    side: Literal["left", "right"] = Field(
+        default="right", description="end of the water at which it stands; behind it is no water"
+    )
+    period: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e5,
+        description="wave period that it takes up whole; that of [waves] when left out, else long waves [s]",
+    )
+
+
+class Sponge(Table):
+    """[[sponge]]: takes up waves on their way to the side of the tank that it touches."""
+
+    name: Name = Field(default="", description="for messages and pictures; sponge-1, ... when left out")
+    box: Annotated[tuple[Point, Point], Field(strict=False)] = Field(
+        description="corners [[x, z], [x, z]]; one end at a side of the tank [m]"
+    )
+    strength: float | None = Field(
+        default=None,
+        gt=0,
+        le=1e4,
+        description="largest rate at which it slows the water down; when left out, 0.3 % of the waves comes back [1/s]",
+    )
+
+    @model_validator(mode="after")
+    def is_a_box(self) -> Sponge:
+        _is_a_box(self.box)
+        return self

@@ -1,0 +1,257 @@
+"""The table [waves] of a case file, and the wave it stands for.
+
+Keys of a kind that does not use them are errors. Every message of the models starts with the key it is about, as in
+tables/; `case_errors.explain` puts the table's name before it.
+"""
+
+from __future__ import annotations
+
+from math import cos, radians
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from houle.case.tables.base import Point2, Table
+from houle.waves import record, spectra, theories
+from houle.waves.cnoidal import solitary
+from houle.waves.current import carried, moved
+from houle.waves.dispersion import GRAVITY
+from houle.waves.wave import Wave
+
+Kind = Literal["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series"]
+Theory = Literal[
+    "auto", "airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal", "solitary-3", "solitary-5"
+]
+
+NEEDS: dict[str, tuple[str, ...]] = {
+    "regular": ("height", "period"),
+    "solitary": ("height",),
+    "jonswap": ("height", "period"),
+    "pierson-moskowitz": ("height", "period"),
+    "tma": ("height", "period"),
+    "focused": ("height", "period", "focus"),
+    "series": ("file",),
+}
+TAKES: dict[str, tuple[str, ...]] = {
+    "regular": ("theory",),
+    "solitary": ("theory", "focus"),
+    "jonswap": ("seed", "gamma"),
+    "pierson-moskowitz": ("seed",),
+    "tma": ("seed", "gamma"),
+    "focused": ("seed", "gamma"),
+    "series": ("start", "gap"),
+}
+CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # what only some kinds take
+MAKERS = ("source", "zone", "piston")
+ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
+
+
+class Focus(Table):
+    """waves.focus: where and when the crest stands."""
+
+    x: float = Field(description="position of the crest [m]")
+    time: float = Field(ge=0, description="time of the crest [s]")
+
+
+class Source(Table):
+    """waves.source: waves made by a force inside the water; they run out to both sides, or are let out on one."""
+
+    x: float = Field(description="middle of the source [m]")
+    width: float | None = Field(
+        default=None,
+        gt=0,
+        description="width; a wavelength when left out, a quarter of that of the peak for spectra [m]",
+    )
+    form: Literal["finite", "linear", "boussinesq"] = Field(
+        default="finite",
+        description="regular waves with all their harmonics; or the first alone, with the group velocity of linear "
+        "theory or by the paper's eq. (5); sums of linear waves are linear with either of the first two",
+    )
+    side: Literal["both", "left", "right"] = Field(default="both", description="where the waves go")
+
+
+class Zone(Table):
+    """waves.zone: relaxation zone, the flow is led towards the wave between x[0] and x[1]."""
+
+    x: Point2 = Field(description="from, to; the wave is complete at the first, free at the second [m]")
+
+    @model_validator(mode="after")
+    def runs_to_the_right(self) -> Zone:
+        if self.x[0] >= self.x[1]:
+            raise ValueError(
+                f"x = [{self.x[0]:g}, {self.x[1]:g}]: the wave is complete at the first and leaves at the second, "
+                "which must be larger, best by one and a half wavelengths"
+            )
+        return self
+
+
+class Piston(Table):
+    """waves.piston: a wall across the tank that moves along x; the water is to its right, none is behind it."""
+
+    x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
+    absorb: bool = Field(
+        default=False, description="whether it also takes up the waves that come back, by the pressure on its face"
+    )
+
+
+class Waves(Table):
+    """[waves]"""
+
+    kind: Kind = Field(description="what comes")
+    theory: Theory = Field(default="auto", description="of regular and solitary waves, see `houle describe theories`")
+    height: float | None = Field(
+        default=None,
+        gt=0,
+        le=100,
+        description="crest to trough; Hm0 of a spectrum; of solitary and focused the crest above still water [m]",
+        examples=[0.04],
+    )
+    period: float | None = Field(
+        default=None, gt=0, le=1e5, description="wave period, peak period of a spectrum [s]", examples=[1.2]
+    )
+    depth: float = Field(gt=0, le=1000, description="still water depth where the waves are made [m]", examples=[0.25])
+    direction: float = Field(
+        default=0.0, gt=-90, lt=90, description="direction of travel from the x axis, 3D only [degrees]"
+    )
+    current: float = Field(
+        default=0.0,
+        ge=-20,
+        le=20,
+        description="of the water that carries the waves, uniform over the depth, towards larger x; period is that "
+        "seen from the bed [m/s]",
+    )
+    seed: int = Field(default=1, ge=0, description="of the random phases and frequencies: same seed, same sea")
+    gamma: float = Field(default=spectra.GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
+    file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
+    start: float = Field(
+        default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run, series only [s]"
+    )
+    gap: float | None = Field(
+        default=None,
+        gt=0,
+        description="longest time without a sample in the file that a straight line may stand for; when left out, "
+        "three and a half usual steps [s]",
+    )
+    focus: Focus | None = Field(
+        default=None, description="where and when the crest of a focused or solitary wave stands"
+    )
+    ramp: float | None = Field(
+        default=None,
+        ge=0,
+        description="time in which the waves grow; two periods when left out, none for solitary, focused, series [s]",
+    )
+    source: Source | None = Field(default=None, description="internal source {x, width, form, side}")
+    zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}")
+    piston: Piston | None = Field(default=None, description="moving wall {x, absorb}")
+
+    @model_validator(mode="after")
+    def agrees(self) -> Waves:
+        found = [f"{key} is missing: {self._what(key)}" for key in NEEDS[self.kind] if getattr(self, key) is None]
+        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        for key in CHOSEN:
+            if key in self.model_fields_set and key not in allowed and getattr(self, key) is not None:
+                found.append(f'{key} does not belong to kind = "{self.kind}": remove it{self._hint(key)}')
+        fits = self.theory == "auto" or self.theory.startswith("solitary") == (self.kind == "solitary")
+        if "theory" in allowed and not fits:
+            found.append(f'theory = "{self.theory}" does not give kind = "{self.kind}": see `houle describe theories`')
+        given = [key for key in MAKERS if getattr(self, key) is not None]
+        if len(given) != 1:
+            held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
+            ways = "source = {x = ...}, zone = {x = [from, to]}, piston = {x = ...}"
+            found.append(f": {held}; give exactly one of {ways}")
+        if self.current and self.source is not None and (self.source.side, self.source.form) != ("both", "linear"):
+            found.append(
+                f'current = {self.current:g}: a source makes waves on a current with side = "both", form = "linear" '
+                "only; or take zone = {x = [from, to]}"
+            )
+        if self.height is not None and self.kind != "series" and self.height > self.depth:
+            found.append(
+                f"height = {self.height:g} is above depth = {self.depth:g} m: no wave stands higher than 0.83 depths; "
+                "both are in metres"
+            )
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    @model_serializer(mode="wrap")
+    def written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the defaults of keys that its kind does not take: what is written can be read back."""
+        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        return {key: value for key, value in handler(self).items() if key in allowed or key not in CHOSEN}
+
+    def _what(self, key: str) -> str:
+        field = type(self).model_fields[key]
+        example = f", for example {field.examples[0]}" if field.examples else ""
+        return f'{field.description}{example} (kind = "{self.kind}" needs it)'
+
+    def _hint(self, key: str) -> str:
+        if key == "gamma":
+            return ", its peak has gamma = 1" if self.kind == "pierson-moskowitz" else ""
+        if key == "period" and self.kind == "solitary":
+            return ", a solitary wave has none"
+        return ", they are in the file" if self.kind == "series" and key in ("height", "period") else ""
+
+    @property
+    def maker(self) -> Source | Zone | Piston:
+        """The one that is given."""
+        return next(m for m in (self.source, self.zone, self.piston) if m is not None)
+
+    @property
+    def place(self) -> float:
+        """Where the waves come from [m]: the middle of the source, the left end of the zone, the piston at rest."""
+        return self.maker.x[0] if isinstance(self.maker, Zone) else self.maker.x
+
+    def ramp_time(self) -> float:
+        """Time in which the waves grow [s]; use `wave.ramp(t, ramp_time)`."""
+        if self.ramp is not None:
+            return self.ramp
+        return 2 * self.period if self.period is not None and self.kind != "focused" else 0.0
+
+
+def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
+    """The wave of the table; `folder` is where its file lies. Raises WaveError.
+
+    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.place`) and is
+    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker. What a
+    source sends to the left is the wave of -x.
+    """
+    angle = radians(table.direction)
+    current = table.current * cos(angle)
+    along = cos(angle) * (-1.0 if table.source is not None and table.source.side == "left" else 1.0)
+    if table.kind == "series":
+        known = record.read(folder / str(table.file), table.start)
+        eta = known.values[0]
+        return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
+    height, period = float(table.height or 0), float(table.period or 0)
+    if table.kind == "regular":
+        return carried(
+            lambda t: theories.regular(table.theory, height, t, table.depth, gravity, 0.0, angle),
+            period,
+            table.depth,
+            gravity,
+            current,
+        )
+    if table.kind == "solitary":
+        order = 3 if table.theory == "solitary-3" else 5
+        wave = moved(solitary(height, table.depth, gravity, 0.0, angle, order), current)
+        crest = table.place - ARRIVES * wave.length / 2
+        if table.focus is not None:
+            crest = table.focus.x - wave.celerity * table.focus.time
+        return moved(solitary(height, table.depth, gravity, crest, angle, order), current)
+    if table.kind == "focused" and table.focus is not None:
+        return spectra.focused(
+            height,
+            period,
+            table.depth,
+            gravity,
+            along * table.focus.x,
+            table.focus.time,
+            angle,
+            table.seed,
+            table.gamma,
+            current=current,
+        )
+    return spectra.irregular(
+        table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma, current=current
+    )

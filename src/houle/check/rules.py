@@ -1,0 +1,436 @@
+"""Pre-flight: does the case make sense as a whole? Every finding quotes both numbers compared and says what to change.
+
+An error stops the run (`require` raises CaseError), a warning is printed, an info is printed by `houle check` only. The
+models of `case/tables/` have looked at single keys already; here shapes are compared with the domain, with each other
+and with the grid. Sections are compared exactly, as polygons (shapely), layer by layer in y in 3D. To add a check,
+write a function that yields findings and add it to CHECKS.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from math import sqrt
+from typing import Literal
+
+import numpy as np
+import shapely
+
+from houle.case.messages import guess, metres, place, several, show
+from houle.case.model import Case
+from houle.case.reading import is_file
+from houle.case.tables.control import SCHEMES, SHORTEST, WAVE_SHARE
+from houle.check.open_sides import open_sides_fit
+from houle.check.paddles import paddles_fit
+from houle.check.section import Finding, Section
+from houle.check.waves import sponges_fit, waves_fit
+from houle.data import laboratory
+from houle.errors import CaseError
+from houle.flow.rows import first_rows, memory
+from houle.grid import MOST_NUMBERS, axes
+from houle.medium.plates import NEAR
+from houle.medium.shapes import enclosed, layers, polygons, section
+
+FEWEST = 2.0  # spacings across a porous body: below is an error
+ENOUGH = 4.0  # below is a warning
+SELDOM = 50  # steps between remeshings that add water: at every 5 a dam break has half as much again after 0.4 s
+
+
+def check(case: Case) -> list[Finding]:
+    """All findings about a case, errors first."""
+    if shapes := list(simple_polygons(case)):
+        return shapes
+    section = Section(case)
+    if outside := list(inside_domain(section)):
+        return outside  # nothing more can be said about shapes that are not there
+    found = [finding for look in CHECKS for finding in look(section)]
+    order = ("error", "warning", "info")
+    return sorted(found, key=lambda f: order.index(f.level))
+
+
+def require(case: Case) -> list[Finding]:
+    """The warnings and infos about a case. Raises CaseError, one line per error, when it cannot be run."""
+    found = check(case)
+    errors = [str(f) for f in found if f.level == "error"]
+    if errors:
+        raise CaseError(several(errors))
+    return found
+
+
+def simple_polygons(case: Case) -> Iterator[Finding]:
+    """Outlines that cross themselves enclose nothing definite."""
+    for key in ("water", "porous", "solid"):
+        for i, row in enumerate(getattr(case, key)):
+            if row.polygon is not None:
+                try:
+                    enclosed(row.polygon)
+                except ValueError as error:
+                    yield Finding("error", place((key, i, "polygon"), case.__dict__), str(error))
+
+
+def inside_domain(s: Section) -> Iterator[Finding]:
+    """No shape reaches out of the domain; no level lies above it. The worst side of each is told."""
+    size, slack = s.case.domain.size, 1e-6 * s.case.domain.spacing
+    for body in s.bodies:
+        kind = next(k for k in ("box", "polygon", "below") if getattr(body.entry, k) is not None)
+        ends = [(axis, float(v)) for corner in body.shape.bounds for axis, v in enumerate(corner) if np.isfinite(v)]
+        beyond, axis, value = max((max(-v, v - size[a]) / size[a], a, v) for a, v in ends)
+        if beyond * size[axis] > slack:
+            name, hint = axes(s.case.dimension)[axis], metres(value, size[axis])
+            yield Finding(
+                "error",
+                f"{body.key}.{kind}",
+                f"reaches {name} = {value:g}, outside the domain 0 <= {name} <= {size[axis]:g} m: cut it there, or "
+                f"change domain.size.{hint}",
+            )
+
+
+def water_is_somewhere(s: Section) -> Iterator[Finding]:
+    """There is water, none of it is asked for inside a solid, and its depth is resolved."""
+    area = max(s.open_water(y).area for y in s.layers)
+    if area <= s.speck:
+        yield Finding("error", "water", "covers nothing of the open domain: give water where no solid is")
+        return
+    for body in s.water:
+        common, (x0, z0, x1, z1) = s.overlap([body], s.solid)
+        if not body.free and common > s.speck:
+            yield Finding(
+                "error",
+                body.key,
+                f"lies in a solid over {common:.3g} m2 (x {x0:g} to {x1:g}, z {z0:g} to {z1:g}): cut the shape, or "
+                "write below = level, which fills what is open",
+            )
+    deep, h = s.depth(), s.grid.spacing[-1]
+    if deep < 10 * h and deep < s.grid.size[-1] - h / 2:
+        yield Finding(
+            "warning",
+            "domain.spacing",
+            f"= {h:g} m gives {deep / h:.1f} cells over the water depth {deep:g} m: 10 or more carry waves, "
+            f"spacing = {deep / 10:.2g}",
+        )
+
+
+def bodies_agree(s: Section) -> Iterator[Finding]:
+    """Where two porous bodies overlap they must be the same material; a solid wins over a porous body."""
+    for i, one in enumerate(s.porous):
+        for other in s.porous[:i]:
+            common, (x0, z0, x1, z1) = s.overlap([one], [other])
+            alike = ("porosity", "grain_diameter", "resistance", "added_mass", "added_mass_on")
+            unlike = next((k for k in alike if getattr(one.entry, k) != getattr(other.entry, k)), None)
+            if common > s.speck and unlike:
+                a, b = getattr(other.entry, unlike), getattr(one.entry, unlike)
+                values = f"{a:g} against {b:g}" if isinstance(a, float) and isinstance(b, float) else "they differ"
+                yield Finding(
+                    "error",
+                    one.key,
+                    f"overlaps {other.key} over {common:.3g} m2 (x {x0:g} to {x1:g}, z {z0:g} to {z1:g}) with another "
+                    f"{unlike}, {values}: let them touch without overlap",
+                )
+        common, _ = s.overlap([one], s.solid)
+        if common > s.speck:
+            whole = max(s.area([one], y).area for y in s.layers)
+            level: Literal["error", "info"] = "error" if common > whole - s.speck else "info"
+            cure = "remove one of them" if level == "error" else "the solid holds there"
+            yield Finding(level, one.key, f"lies in a solid over {common:.3g} of its {whole:.3g} m2: {cure}")
+
+
+def grid_resolves(s: Section) -> Iterator[Finding]:
+    """Bodies and grains against the spacing."""
+    h = max(s.grid.spacing)
+    for body in s.porous:
+        thick = s.thickness(body)
+        across = thick / h
+        if across < ENOUGH:
+            yield Finding(
+                "error" if across < FEWEST * (1 - 1e-9) else "warning",
+                body.key,
+                f"is {thick:.3g} m thick, {across:.1f} spacings of {h:.3g} m: {FEWEST:g} are needed, {ENOUGH:g} are "
+                f"good; domain.spacing = {thick / ENOUGH:.2g}",
+            )
+        d = body.entry.grain_diameter
+        if d is not None and d > thick / 3:
+            hint = guess("grain_diameter", d, upper=thick / 3) if d > thick else ""
+            yield Finding(
+                "error" if d > thick else "warning",
+                f"{body.key}.grain_diameter",
+                f"= {d:g} m against a thickness of {thick:.3g} m: a law averages over several grains, give "
+                f"grain_diameter <= {thick / 3:.2g} m, or a and b measured on the body.{hint}",
+            )
+    for body in (*s.solid, *s.water):
+        thick, solid = s.thickness(body), body.entry in s.case.solid
+        what = "keep its form, below 1 it is made one thick" if solid else "flow as water does"
+        if thick < FEWEST * h * (1 - 1e-9):
+            yield Finding(
+                "warning",
+                body.key,
+                f"is {thick:.3g} m thick, {thick / h:.1f} spacings of {h:.3g} m: {FEWEST:g} or more {what}, "
+                f"domain.spacing = {thick / FEWEST:.2g}",
+            )
+
+
+def thin_solids(s: Section) -> Iterator[Finding]:
+    """What counts as solid around thin ones leaves water, and closes no passage."""
+    windows = s.windows
+    if not windows:
+        return
+    h, passage = max(s.grid.spacing), None
+    dry = True
+    for y in layers(s.grid, [*(b.shape for b in s.bodies), *windows]):
+        added = section(s.grid, windows, y)
+        dry &= shapely.difference(s.open_water(y), added).area <= s.speck
+        passage = passage or _closed_passage(s, shapely.difference(shapely.box(*s.window), s.area(s.solid, y)), added)
+    if dry:
+        yield Finding(
+            "error",
+            "domain.spacing",
+            f"= {h:g} m leaves no water: all of it lies in cells that thin solids part, which count as solid; give "
+            f"domain.spacing = {h / 4:.2g}",
+        )
+    elif passage:
+        yield Finding(
+            "warning",
+            "domain.spacing",
+            f"= {h:g} m closes the passage at x = {passage[0]:.4g}, z = {passage[1]:.4g}, as cells that thin solids "
+            f"part count as solid: domain.spacing = {h / 2:.2g} or less keeps it open if it is as wide as two cells",
+        )
+
+
+def _closed_passage(s: Section, open_: shapely.Geometry, added: shapely.Geometry) -> tuple[float, float] | None:
+    """Where in a section (x, z) [m] what is added to the solids first parts a room in two of more than a cell each."""
+    least = s.grid.spacing[0] * s.grid.spacing[-1]
+    for room in polygons(open_):
+        rest = polygons(shapely.difference(room, added))
+        rest = rest[shapely.area(rest) > least]
+        if len(rest) > 1:
+            between = polygons(shapely.intersection(room, added))
+            touched = shapely.dwithin(between[:, None], rest, NEAR * max(s.grid.spacing)).sum(axis=1)
+            x, z = shapely.get_coordinates(shapely.point_on_surface(between[np.argmax(touched)]))[0]
+            return float(x), float(z)
+    return None
+
+
+def spacing_divides(s: Section) -> Iterator[Finding]:
+    """The spacing used along each axis is close to the one asked for."""
+    asked = s.case.domain.spacing
+    for name, used, size in zip(axes(s.case.dimension), s.grid.spacing, s.grid.size, strict=True):
+        if abs(change := used / asked - 1) > 0.1:
+            yield Finding(
+                "warning",
+                "domain.spacing",
+                f"= {asked:g} m does not divide the length {size:g} m along {name}: {used:.4g} m is used, "
+                f"{100 * change:+.0f} %; choose a spacing that divides it",
+            )
+
+
+def instruments(s: Section) -> Iterator[Finding]:
+    """Gauges and sensors lie in the domain, sensors not in a solid."""
+    for i, gauge in enumerate(s.case.gauge):
+        key = place(("gauge", i), s.case.__dict__)
+        yield from _outside(s, f"{key}.x", gauge.x, 0)
+        if gauge.y is not None:
+            yield from _outside(s, f"{key}.y", gauge.y, 1)
+        z = s.grid.axis_points(s.case.dimension - 1)
+        line = np.stack([np.full_like(z, at) for at in (gauge.x, *([gauge.y] * (s.case.dimension - 2)))] + [z], axis=-1)
+        for solid in s.solid:
+            if np.all(solid.shape.distance(line.astype(float)) < 0):
+                yield Finding(
+                    "warning", f"{key}.x", f"= {gauge.x:g} lies in {solid.key}, floor to lid: it reads nothing"
+                )
+    for i, sensor in enumerate(s.case.sensor):
+        key = place(("sensor", i, "at"), s.case.__dict__)
+        for axis, value in enumerate(sensor.at):
+            yield from _outside(s, key, value, axis)
+        if inside := [b.key for b in s.solid if b.shape.distance(np.array(sensor.at)) < 0]:
+            yield Finding("error", key, f"= {show(sensor.at)} lies in {inside[0]}: move it into the water")
+
+
+def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]:
+    name, size = axes(s.case.dimension)[axis], s.case.domain.size[axis]
+    if not 0 <= value <= size:
+        hint = metres(value, size)
+        yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")
+
+
+def observables(s: Section) -> Iterator[Finding]:
+    """Run-ups, crests, sections and phreatic lines lie in the domain, and where there is something to observe."""
+    case, h, size_x = s.case, s.grid.spacing[0], s.grid.size[0]
+    for i, runup in enumerate(case.runup):
+        key = place(("runup", i, "x"), case.__dict__)
+        for end in runup.x:
+            yield from _outside(s, key, end, 0)
+        if abs(runup.x[1] - runup.x[0]) < 2 * h:
+            text = f"= {show(runup.x)} is shorter than 2 spacings of {h:.3g} m: from the water to the crest or the wall"
+            yield Finding("error", key, text)
+    for kind in ("overtopping", "flux"):
+        for i, row in enumerate(getattr(case, kind)):
+            key = place((kind, i), case.__dict__)
+            yield from _outside(s, f"{key}.x", row.x, 0)
+            if kind == "overtopping":
+                levels, name = [] if row.level is None else [row.level], "level"
+                if case.domain.periodic[0]:
+                    text = 'cannot tell the side behind the crest where walls = {x = "periodic"}: observe a [[flux]]'
+                    yield Finding("error", key, text)
+                for side in case.open:
+                    if abs(row.x - (size_x if side.side == "right" else 0.0)) < h:
+                        text = f"= {row.x:g} lies within a spacing of {h:.3g} m of the open side {side.side!r}, where "
+                        yield Finding("error", f"{key}.x", text + "water comes and goes: move it inwards")
+            else:
+                levels, name = list(row.between or ()), "between"
+            for level in levels:
+                yield from _outside(s, f"{key}.{name}", level, case.dimension - 1)
+            if len(levels) == 2 and levels[0] >= levels[1]:
+                yield Finding("error", f"{key}.between", f"= {show(levels)} is empty: the lower level stands first")
+    for i, line in enumerate(case.phreatic):
+        key = place(("phreatic", i), case.__dict__)
+        body = next(b for b in s.porous if b.entry.name == line.body)
+        low, high = (float(c[0]) for c in body.shape.bounds)
+        for x in line.x or ():
+            if not max(low, 0.0) <= x <= min(high, s.grid.size[0]):
+                text = f"= {x:g} lies beside {body.key}, {low:g} <= x <= {high:g} m.{metres(x, high)}"
+                yield Finding("error", f"{key}.x", text)
+        if line.y is not None:
+            yield from _outside(s, f"{key}.y", line.y, 1)
+
+
+def gates(s: Section) -> Iterator[Finding]:
+    """Gates stand between two columns of cells, on a face of the grid."""
+    h, size = s.grid.spacing[0], s.case.domain.size[0]
+    for i, gate in enumerate(s.case.gate):
+        key = place(("gate", i, "x"), s.case.__dict__)
+        if not h / 2 < gate.x < size - h / 2:
+            hint = metres(gate.x, size)
+            yield Finding("error", key, f"= {gate.x:g} does not lie inside the domain, 0 < x < {size:g} m.{hint}")
+        else:
+            face = s.grid.nearest_face(gate.x)
+            text = f"= {gate.x:g} m: the gate stands on the nearest face of the grid, x = {face:.6g} m"
+            yield Finding("info", key, text)
+
+
+def times(s: Section) -> Iterator[Finding]:
+    """The clock of the run, its output, and a fixed step against the speed of the water."""
+    t, out = s.case.time, s.case.output
+    if out.every > t.end:
+        text = f"= {out.every:g} s is longer than time.end = {t.end:g} s: only the start is written, shorten it"
+        yield Finding("warning", "output.every", text)
+    if out.series_every > out.every:
+        text = f"= {out.series_every:g} s is longer than output.every = {out.every:g} s: 0.005 is usual"
+        yield Finding("warning", "output.series_every", text)
+    speed, h = expected_speed(s), min(s.grid.spacing)
+    natural = sqrt(s.grid.spacing[-1] / max(9.81, *map(abs, s.case.acceleration)))  # of the water in a cell [s]
+    asked = {"output.every": out.every, "time.step": t.step, "time.courant": t.courant * WAVE_SHARE * natural}
+    for key, step in asked.items():
+        if step is not None and step < 10 * SHORTEST * natural:
+            text = f"makes steps of {step:.2g} s, the water needs some {0.5 * WAVE_SHARE * natural:.1g} s"
+            yield Finding("error", key, f"{text}: give a larger value, or leave it out")
+    if t.step is not None and (cells := t.step * speed / h) > 1:
+        yield Finding(
+            "warning",
+            "time.step",
+            f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m a step: below 1 is "
+            f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
+        )
+    nu, viscous = s.case.fluid.viscosity, s.case.viscous_step
+    if t.step is not None and t.step > viscous:
+        text = f"= {t.step:g} s is unstable with fluid.viscosity = {nu:g} m2/s: at most {0.99 * viscous:.3g}"
+        yield Finding("error", "time.step", f"{text}, or courant = 0.5, which finds it")
+
+
+def expected_speed(s: Section) -> float:
+    """sqrt(2 g times the drop of level), at least a tenth of the long-wave speed sqrt(g d), d a cell or more [m/s]."""
+    g = max(s.case.fluid.gravity, 1e-12)
+    return max(sqrt(2 * g * s.drop()), 0.1 * sqrt(g * max(s.depth(), s.grid.spacing[-1])))
+
+
+def materials(s: Section) -> Iterator[Finding]:
+    """Values that are allowed and unusual: a slip of units more often than a wish."""
+    nu = s.case.fluid.viscosity
+    if nu > 1e-5:
+        hint = " 0.001 is the dynamic viscosity of water [Pa s]; divide by the density." if 5e-4 < nu < 2e-3 else ""
+        text = f"= {nu:g} m2/s is {nu / 1e-6:.0f} times that of water, 1e-06 m2/s.{hint}"
+        yield Finding("warning", "fluid.viscosity", text)
+    for body in s.porous:
+        n = body.entry.porosity
+        if not 0.2 <= n <= 0.9:
+            text = f"= {n:g} is unusual: rubble and sand lie between 0.3 and 0.6; 1 is clear water"
+            yield Finding("warning", f"{body.key}.porosity", text)
+
+
+def remeshing(s: Section) -> Iterator[Finding]:
+    """What the paper's remeshing costs."""
+    n = s.case.numerics
+    if n.remesh == "paper" and n.remesh_every < SELDOM:
+        text = (
+            f'= {n.remesh_every}: remesh = "paper" adds water wherever there is a surface, each time; the paper takes '
+            f'{SCHEMES["jh2020"]["remesh_every"]}, or take remesh = "conservative"'
+        )
+        yield Finding("warning", "numerics.remesh_every", text)
+
+
+def memory_suffices(s: Section) -> Iterator[Finding]:
+    """The particles fit into this machine, as far as one can tell before, and there is a number for each."""
+    needed, there = memory(s.case, s.particles(), s.grid.shape[-1]), machine_memory()
+    if there is not None and needed > 0.8 * there:
+        h = s.case.domain.spacing
+        better = h * (needed / (0.5 * there)) ** (1 / s.case.dimension)
+        yield Finding(
+            "error" if needed > 2 * there else "warning",
+            "domain.spacing",
+            f"= {h:g} m makes {s.particles():.3g} particles, about {needed / 1e9:.3g} GB; this machine has "
+            f"{there / 1e9:.3g} GB: domain.spacing = {better:.2g}",
+        )
+        if needed > 2 * there:
+            return
+    yield from can_be_numbered(s)
+
+
+def can_be_numbered(s: Section) -> Iterator[Finding]:
+    """The cells, and the particles or the half cells that remeshing gives them to, with 32 bits."""
+    d, h = s.case.dimension, s.case.domain.spacing
+    cells = math.prod(s.grid.shape)
+    rows = first_rows(s.case) / s.grid.shape[-1]
+    most, what = max((cells, "cells"), (s.particles(), "particles"), (2**d * cells * rows, "half cells to remesh on"))
+    if most > MOST_NUMBERS:
+        better = h * (1.01 * most / MOST_NUMBERS) ** (1 / d)
+        text = f"= {h:g} m makes {most:.3g} {what}: at most {MOST_NUMBERS:.3g} can be numbered, from {better:.2g} m on"
+        yield Finding("error", "domain.spacing", text)
+
+
+def machine_memory() -> float | None:
+    """[bytes], where the system tells."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+def reference_is_there(s: Section) -> Iterator[Finding]:
+    """The laboratory file named can be opened."""
+    r, path = s.case.reference, laboratory.path(s.case)
+    if r is not None and path is not None and not is_file(path):
+        text = (
+            f'= "{r.surface}" is not a file beside the case file, in {s.case.folder}: put it there, or remove '
+            "[reference]"
+        )
+        yield Finding("error", "reference.surface", text)
+
+
+CHECKS = (
+    water_is_somewhere,
+    bodies_agree,
+    grid_resolves,
+    thin_solids,
+    spacing_divides,
+    instruments,
+    observables,
+    gates,
+    times,
+    materials,
+    remeshing,
+    memory_suffices,
+    waves_fit,
+    sponges_fit,
+    open_sides_fit,
+    paddles_fit,
+    reference_is_there,
+)

@@ -1,0 +1,128 @@
+"""Laboratory points beside a run: reading them, and how far the computed surface is from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.data.csv_table import read_columns
+from houle.errors import CaseError
+
+if TYPE_CHECKING:
+    from houle.case.model import Case
+
+
+class Data(Protocol):
+    """Variables by name, each with .values: an xarray.Dataset, or a Table of houle.output."""
+
+    def __getitem__(self, name: Any, /) -> Any: ...
+
+    def __contains__(self, name: Any, /) -> bool: ...
+
+
+COLUMNS = ("t_s", "x_m", "eta_m")
+SAME = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class Points:
+    """Levels (N,) above z = 0 [m] measured at x (N,) [m] and time (N,) [s], sorted by time."""
+
+    time: NDArray[np.float64]
+    x: NDArray[np.float64]
+    eta: NDArray[np.float64]
+
+    @property
+    def times(self) -> list[float]:
+        return [float(t) for t in np.unique(self.time)]
+
+
+@dataclass(frozen=True)
+class Score:
+    """rms of computed minus measured level [m]: per laboratory time, and over all points of the times > 0."""
+
+    times: list[float]
+    rms: list[float]
+    overall: float
+    points: int
+
+
+def path(case: Case) -> Path | None:
+    """The file of laboratory points that the case names, beside the case file."""
+    if case.reference is None:
+        return None
+    return case.folder / case.reference.surface
+
+
+def read(file: Path) -> Points:
+    """The points of a CSV file: comment lines (#), a header t_s,x_m,eta_m, numbers. Raises CaseError."""
+    (time, x, eta), rows = read_columns(file, COLUMNS, "reference.surface")
+    if not np.all(np.isfinite(rows)):
+        row = int(np.argwhere(~np.isfinite(rows))[0][0]) + 1
+        raise CaseError(
+            f"reference.surface = {file} holds a number that is not finite in its row {row}: leave out points "
+            "without level"
+        )
+    order = np.argsort(time, kind="stable")
+    return Points(time[order], x[order], eta[order])
+
+
+def instants(case: Case) -> list[float]:
+    """The times [s] of the laboratory points of a case, at which a run leaves a profile and a frame; none without."""
+    file = path(case)
+    return [] if file is None else read(file).times
+
+
+def level(surface: Data, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Computed level [m] at x: linear between wet columns, ends carried on; linear in time if no profile is at `time`.
+
+    In 3D the mean over the wet columns across the width. NaN when all is dry.
+    """
+    times, eta = surface["time"].values, surface["eta"].values
+    near = _around(times, time)
+    first, last = (_profile(surface["x"].values, along(eta[i]), x) for i in (near[0], near[-1]))
+    if len(near) == 1:
+        return first
+    start, stop = times[near]
+    return first + (time - start) / (stop - start) * (last - first)
+
+
+def along(eta: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A profile (nx,) as it is; of one over the plan (ny, nx) the mean of the wet columns across the width."""
+    if eta.ndim == 1:
+        return eta
+    wet = np.isfinite(eta)
+    count = wet.sum(axis=0)
+    return np.where(count > 0, np.where(wet, eta, 0.0).sum(axis=0) / np.maximum(count, 1), np.nan)
+
+
+def score(points: Points, surface: Data) -> Score | None:
+    """How far the run is from the laboratory at the times it has reached; None if it has reached none after 0."""
+    reached = [t for t in points.times if t <= surface["time"].values[-1] + SAME]
+    errors = [level(surface, t, points.x[points.time == t]) - points.eta[points.time == t] for t in reached]
+    later = [e for t, e in zip(reached, errors, strict=True) if t > 0]
+    if not later:
+        return None
+    return Score(reached, [_rms(e) for e in errors], _rms(np.concatenate(later)), sum(len(e) for e in errors))
+
+
+def _profile(columns: NDArray[np.float64], eta: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+    wet = np.isfinite(eta)
+    return np.interp(x, columns[wet], eta[wet]) if wet.any() else np.full(x.shape, np.nan)
+
+
+def _rms(values: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _around(times: NDArray[np.float64], time: float) -> list[int]:
+    """Index of the profile at this time (to SAME), or of the two around it."""
+    nearest = int(np.argmin(np.abs(times - time)))
+    if abs(times[nearest] - time) < SAME or time > times[-1] or time < times[0]:
+        return [nearest]
+    after = int(np.searchsorted(times, time))
+    return [after - 1, after]

@@ -1,0 +1,98 @@
+"""When the particles are made anew: every so many steps, with what else is kept per particle."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle import _core
+from houle.flow.particles import Particles
+from houle.flow.remeshers import Conservative, Remesher
+from houle.flow.state import SPRAY, Flow
+from houle.flow.transfer import Transfer
+from houle.grid import FloatArray, widened
+
+TRAVEL = 0.5  # cells that water must have come away from where it was for remeshing to be worth it
+
+
+class Remeshing:
+    """Calls a remesher every `every` steps, once water has moved on by `travel` cells. `count`: steps since the last.
+
+    travelled: integral of the pore velocity on the faces since then [m], float32. What counts is how far water is from
+    where it was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro
+    and leave them in order (docs/decisions/0009, 0010).
+    """
+
+    def __init__(self, remesher: Remesher, every: int, travel: float = TRAVEL) -> None:
+        self.remesher, self.every, self.travel = remesher, every, travel
+        self.count = 0
+        self.travelled: list[NDArray[np.float32]] = []
+
+    def after_step(self, flow: Flow, transfer: Transfer, dt: float) -> None:
+        """dt: how long the particles have moved with the velocity of the grid [s]."""
+        self.count += 1
+        self.travelled = self.travelled or [np.zeros(u.shape, np.float32) for u in flow.velocity]
+        farthest = self._go_on(flow, dt)
+        if self.count < self.every or farthest < self.travel:
+            return
+        self.count = 0
+        for way in self.travelled:
+            way[...] = 0.0
+        flow.sample_medium()
+        porosity, old = flow.porosity if flow.porous else None, flow.particles
+        marks = [crest.marks(old.position) for crest in flow.crests]
+        energy = _energy(flow) if flow.porous else None
+        flow.drop_work()
+        for paddle in flow.paddles:
+            paddle.to_lattice(old)
+        where = (porosity, flow.nodes, flow.gates)
+        flow.particles = self.remesher(old, *where)
+        hand_on = self.remesher.with_water if isinstance(self.remesher, Conservative) else self.remesher
+        handed = [  # marks go with the water
+            None if mark is None else hand_on(Particles(old.position, mark, old.volume), *where) for mark in marks
+        ]
+        for paddle in flow.paddles:
+            paddle.from_lattice(flow.particles)
+        if flow.paddles:
+            _core.leave_solids(flow.grid.core, flow.medium.outline, flow.particles.position)
+        for crest, new in zip(flow.crests, handed, strict=True):
+            if new is not None:
+                crest.handed(flow.particles.position, flow.particles.volume, new.velocity)
+        flow.resize_particles()
+        flow.sample_medium()
+        if energy is not None:
+            _take_made(flow, energy)
+        transfer.renew(flow)
+
+    def _go_on(self, flow: Flow, dt: float) -> float:
+        """Adds a step to `travelled`; returns how far water is from where it was, the largest of all faces [cells]."""
+        grid, least = flow.grid, SPRAY * flow.grid.cell_volume
+        fields = (flow.velocity, flow.work.face_mass, least, flow.listed("porosity"), self.travelled)
+        ways = _core.travel(grid.core, dt, *fields)
+        return max(way / h for way, h in zip(ways, grid.spacing, strict=True))
+
+
+def _energy(flow: Flow) -> FloatArray:
+    """Twice the kinetic energy in each cell near interfaces and those around it [m^d m2/s2], per density."""
+    p, total = flow.particles, flow.grid.cells()
+    _core.cell_energy(flow.grid.core, flow.around_interface, p.position, flow.bulk, flow.inertia, p.velocity, total)
+    for axis, wraps in enumerate(flow.grid.periodic):
+        wide = widened(total, axis, wraps)
+        total = np.moveaxis(wide[:-2] + wide[1:-1] + wide[2:], 0, axis)
+    return total
+
+
+def _take_made(flow: Flow, before: FloatArray) -> None:
+    """Takes what remeshing has made of energy near interfaces where no pressure holds the water.
+
+    Water that is given to a node of another porosity with its u_d has C_r/n^2 there times the energy (section 7 of
+    docs/theory.md); in cells that are held the pressure pays for it.
+    """
+    held = np.ones(flow.grid.shape, bool)
+    for axis, faces in enumerate(flow.held):
+        held &= np.minimum(np.delete(faces, 0, axis=axis), np.delete(faces, -1, axis=axis)) > 0
+    after, p = _energy(flow), flow.particles
+    made = (after > before) & ~held & flow.at_interface
+    if made.any():
+        share = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=made))
+        _core.scale_by_cell(flow.grid.core, np.ascontiguousarray(share), p.position, p.velocity)

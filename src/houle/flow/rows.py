@@ -1,0 +1,59 @@
+"""How many rows of cells a run keeps: those that the water can be in soon, not the dry air up to the top of the domain.
+
+A run starts with the rows up to the highest thing that the case places, and `MARGIN`. Before the water comes within
+`HEADROOM` of the uppermost row there are more of them: the flow is built anew on the higher grid and goes on from its
+state. Above the rows the domain is air; results always have the grid of the whole domain.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle import _core
+from houle.case.model import Case
+from houle.medium.shapes import shape_of
+
+if TYPE_CHECKING:
+    from houle.flow.state import Flow
+
+HEADROOM = 8  # rows that stay dry: a step looks 6 of them above the water, and the water rises by less than one
+MARGIN = 12  # rows above what the case places, when the run starts
+GROWTH = 1.2  # of the number of rows, when there are too few
+PROGRAM = 6e7  # bytes of memory: Python, its libraries
+PER_PARTICLE = 68  # bytes, measured as `houle bench --large` does
+PER_CELL = {2: 255, 3: 390}  # bytes of a cell in the rows that are kept, by dimension
+
+
+def first_rows(case: Case) -> int:
+    """To start with. The whole domain where waves are made or sides are open or move: they reach over its height."""
+    grid = case.domain.grid
+    if case.waves is not None or case.open or case.absorber:
+        return grid.shape[-1]
+    shapes = [shape_of(entry, case.dimension).bounds[1][-1] for entry in (*case.water, *case.porous, *case.solid)]
+    observed = [sensor.at[-1] for sensor in case.sensor] + [o.level for o in case.overtopping if o.level is not None]
+    highest = max([0.0, *shapes, *observed])
+    rows = math.ceil(min(highest, grid.size[-1]) / grid.spacing[-1]) + MARGIN
+    return min(rows, grid.shape[-1])
+
+
+def memory(case: Case, particles: float, rows: int) -> float:
+    """[bytes] of a run with so many particles that keeps so many rows of cells."""
+    columns = math.prod(case.domain.grid.shape[:-1])
+    return PROGRAM + PER_PARTICLE * particles + PER_CELL[case.dimension] * columns * rows
+
+
+def more_rows(flow: Flow, most: int) -> int:
+    """For the next step, up to `most`, with the fill of the cells now."""
+    rows = flow.grid.shape[-1]
+    if rows == most or not _core.water_above(flow.grid.core, flow.fill, rows - HEADROOM):
+        return rows
+    return min(most, max(rows + MARGIN, math.ceil(GROWTH * rows)))
+
+
+def raised(values: NDArray, rows: int) -> NDArray:
+    """A field on cells or faces with so many more rows of `values`' kind above, empty."""
+    return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, rows)])

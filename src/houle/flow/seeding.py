@@ -1,0 +1,298 @@
+"""The first particles: the water of the case, at rest, one particle for each half cell that holds some of it.
+
+A particle carries exactly the water of its half cell (area of the water shapes, without solids, times porosity) and
+lies at the centroid of that water. So volume, mean level and centre of gravity are those of the case, wherever its
+levels and interfaces lie. The tent function is linear along each axis of a half cell: the fill fraction of a submerged
+cell is 1 to round-off beside porous interfaces along the axes. Beside sloping ones and at corners the term in x z is
+left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid. Water round the corner of a solid may have its
+centroid in the solid: it gets two particles with that centre of volume, one on each side of the corner.
+
+Beside upright interfaces that run through the whole height water lies as flow leaves it, with the porosity of particles
+(`Settled`): some of it, in all half cells of a row alike, is across the interface.
+
+Some columns of half cells at a time, so that the half cells need no more memory than the particles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from houle import _core
+from houle.flow.particles import Particles
+from houle.grid import FloatArray, Grid, widened
+from houle.medium.integrals import Measure
+from houle.medium.medium import LEAST, Medium, partition
+from houle.medium.shapes import Box, Shape, Span, section
+from houle.medium.solids import Outline
+
+SLIVER = 0.25  # of the pore volume of a half cell: less water joins the particle beside it
+NARROW = 0.1  # of a half cell: less pore volume than this counts as this much
+SLAB = 1 << 17  # half cells at a time, about
+LEVERS = (1.0, 1.5, 2.0, 3.0, 4.0)  # ratios of the distances of two particles from their common centre
+BESIDE = 3  # columns beside a slab that decide what it is given: by slivers, a neighbour's neighbour, and `Settled`
+FITS = 100  # iterations of the fit, each leaves two thirds of what is left
+NEARLY = 1e-12  # porosities that differ less are the same
+ROUND_OFF = 1e-15  # of the water of a half cell
+
+Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume of these areas
+
+
+def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
+    """Particles at rest that hold all water inside the union of the shapes and outside the solids, 2 per axis and cell.
+
+    A half cell with less water than `SLIVER` of its pores gives it to the one below, or else to the fullest one beside
+    it or at its corners, with its first moment; where there is none (a film thinner than that) it keeps it.
+    Ordered as a raster, z fastest.
+    """
+    found = list(seed_slabs(grid, medium, water))
+    return Particles(*(np.concatenate([getattr(p, n) for p in found]) for n in ("position", "velocity", "volume")))
+
+
+def seed_slabs(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Iterator[Particles]:
+    """The particles of `seed`, slab by slab along x."""
+    regions, half = _regions(grid, medium, water), np.array(grid.spacing) / 2
+    settled = Settled.of(grid, medium)
+    count = 2 * grid.shape[0]
+    columns = max(8, SLAB // math.prod(2 * n for n in grid.shape[1:]))
+    for first in range(0, count, columns):
+        end = min(first + columns, count)
+        low, high = max(first - BESIDE, 0), min(end + BESIDE, count)
+        volume, moment = _water(grid, regions, (low, high))
+        if settled is not None:
+            settled.apply(volume, moment, *_water(grid, regions[:1], (low, high)), low)
+        _merge_slivers(volume, moment, _pores(medium, slice(low, high)))
+        own = slice(first - low, end - low)
+        held = volume[own] > 0
+        volume = volume[own][held]
+        position = np.stack([m[own][held] / volume for m in moment], axis=-1) * half
+        position, volume = _beside_corners(grid, medium.outline, position, volume)
+        yield Particles(position, np.zeros_like(position), volume * (grid.cell_volume / 2**grid.dimension))
+
+
+@dataclass(frozen=True)
+class Settled:
+    """Water that lies as flow leaves it beside upright interfaces through the whole height of a tank without solids or
+    gates.
+
+    Water that moves with u_d / n, n the continuous porosity of particles, comes to lie with that n, which fills the
+    same tents as the structure does but is another within some cells of an interface (decision 0010). Water that lay
+    as the structure holds it, and moved so, carried up to a fifth too much or too little: the level beside the face of
+    a block, n = 0.45, changed by a third of the way that the water went, and rose by 2.9 mm where 3.4 were due.
+
+    axis      along which the porosity varies
+    flux      (2 n + 1,) what crosses the ends of the half cells on the way from the one to the other, in half cells of
+              clear water
+    stir      (2 n,) by which the first moment of a half cell changes besides, in half cells
+    pores     (n,) of the columns as `column_heights` sums them over such water
+    """
+
+    axis: int
+    flux: FloatArray
+    stir: FloatArray
+    pores: FloatArray
+
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Settled | None:
+        """None where an interface is oblique, a solid stands, or the porosity of particles had to be kept from 0."""
+        axis = _only_axis(grid, medium)
+        if axis is None:
+            return None
+        low = grid.lowest(1)
+        whole = Box((0.0,) * grid.dimension, low.size)
+        volume, moment = _water(low, _regions(low, medium, [whole]), (0, 2 * grid.shape[0]))
+        line = [np.moveaxis(field, axis, 0).reshape(2 * grid.shape[axis], -1)[:, 0] for field in (volume, moment[axis])]
+        return cls._fit(axis, *line)
+
+    @classmethod
+    def _fit(cls, axis: int, held: FloatArray, moment: FloatArray) -> Settled | None:
+        """held, moment: of the half cells of a line (2 n,), in half cells, of the structure."""
+        centre = np.arange(len(held)) + 0.5
+        offset = moment - held * centre
+        wide, apart = np.pad(held, 1, "edge"), np.concatenate([[-offset[0]], offset, [-offset[-1]]])
+        tent, count = np.zeros(len(held) // 2), len(held) // 2
+        for k, r in enumerate((-1.5, -0.5, 0.5, 1.5)):  # of the half cells in a tent, from its centre
+            tent += 0.5 * (1.0 - 0.5 * abs(r)) * wide[k::2][:count] - 0.25 * np.sign(r) * apart[k::2][:count]
+        n = 0.5 * (held[::2] + held[1::2])
+        for _ in range(FITS):
+            around = widened(n, 0, False)
+            n = n + tent - (around[:-2] + 4.0 * around[1:-1] + around[2:]) / 6.0
+        around = widened(n, 0, False)
+        cells = widened(0.5 * (held[::2] + held[1::2]), 0, False)
+        if np.any(n < LEAST * np.minimum(np.minimum(cells[:-2], cells[1:-1]), cells[2:])):
+            return None
+        halves = np.stack([0.75 * n + 0.25 * around[:-2], 0.75 * n + 0.25 * around[2:]], axis=1).ravel()
+        lean = np.stack([n - around[:-2], around[2:] - n], axis=1).ravel() / 24.0
+        change = np.where(np.abs(halves - held) > ROUND_OFF, halves - held, 0.0)
+        flux = np.concatenate([[0.0], -np.cumsum(change)])
+        flux[np.abs(flux) < ROUND_OFF] = 0.0
+        ends = np.arange(len(flux)) * flux
+        stir = np.where(change != 0.0, change * centre + lean - offset - (ends[:-1] - ends[1:]), 0.0)
+        return cls(axis, flux, stir, _spline_pores(halves, lean))
+
+    def apply(
+        self, volume: FloatArray, moment: list[FloatArray], wet: FloatArray, centre: list[FloatArray], first: int
+    ) -> None:
+        """Settles the water of a slab that begins at half cell `first` along x, in place.
+
+        wet, centre: the space that it fills, and its first moments, in the same units.
+        """
+        a = self.axis
+        begin = first if a == 0 else 0
+        count = wet.shape[a]
+        shape = [-1 if b == a else 1 for b in range(wet.ndim)]
+        inner = np.arange(begin + 1, begin + count)  # the ends between two half cells of the slab
+        left, right = (np.delete(wet, end, axis=a) for end in (-1, 0))
+        amount = self.flux[inner].reshape(shape) * np.minimum(left, right)
+        for b, field in enumerate([volume, *moment], -1):
+            carried = amount
+            if b == a:
+                carried = amount * inner.reshape(shape)
+            elif b >= 0:
+                at = np.divide(centre[b], wet, out=np.zeros_like(wet), where=wet > 0.0)
+                carried = amount * np.where(amount > 0.0, np.delete(at, -1, axis=a), np.delete(at, 0, axis=a))
+            carried = np.pad(carried, [(1, 1) if c == a else (0, 0) for c in range(wet.ndim)])
+            field -= np.diff(carried, axis=a)
+        ends = [np.take(wet, at, axis=a) for at in (0, count - 1)]  # behind a wall, too, as much of it is water
+        low, high = (np.insert(f, at, end, axis=a) for f, at, end in ((left, 0, ends[0]), (right, count - 1, ends[1])))
+        moment[a] += self.stir[begin : begin + count].reshape(shape) * np.minimum(np.minimum(low, high), wet)
+
+
+def column_pores(grid: Grid, medium: Medium) -> FloatArray:
+    """Porosity of the columns that hold one, (nx, [ny]): as `column_heights` sums the water in them."""
+    pores, settled = medium.porosity.min(axis=-1), Settled.of(grid, medium)
+    if settled is None:
+        return pores
+    own = settled.pores.reshape([-1 if a == settled.axis else 1 for a in range(pores.ndim)])
+    return np.where(np.abs(own - pores) > ROUND_OFF, own, pores)
+
+
+def _only_axis(grid: Grid, medium: Medium) -> int | None:
+    """The horizontal axis along which alone the porosity varies, all interfaces across it; None: there is no such."""
+    if medium.solids or medium.interfaces is None or not medium.settles:
+        return None
+    n, d = medium.porosity, grid.dimension
+    varies = [a for a in range(d) if np.ptp(n, axis=a).max() > NEARLY]
+    if len(varies) != 1 or varies[0] == d - 1 or grid.periodic[varies[0]]:
+        return None
+    across = np.abs(medium.interfaces.planes[:, varies[0]]) > 1.0 - NEARLY
+    return varies[0] if across.all() else None
+
+
+def _spline_pores(held: FloatArray, lean: FloatArray) -> FloatArray:
+    """Water of columns (n,) by quadratic B-splines over particles of these volumes and moments about half cells."""
+    place = lean / held
+    wide = np.pad(held, 2, "symmetric")
+    away = np.concatenate([-place[1::-1], place, -place[:-3:-1]])
+    total = np.zeros(len(held) // 2)
+    for k, r in enumerate((-2.5, -1.5, -0.5, 0.5, 1.5, 2.5)):
+        at = np.abs(r + away[k::2][: len(total)]) / 2.0
+        weight = np.where(at < 0.5, 0.75 - at**2, 0.5 * np.maximum(1.5 - at, 0.0) ** 2)
+        total += 0.5 * weight * wide[k::2][: len(total)]
+    return total
+
+
+def _beside_corners(
+    grid: Grid, outline: Outline | None, position: FloatArray, volume: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Positions [m] and volumes with two particles for each one that lies in a solid: their centre is where it lay.
+
+    Both lie in its half cell, over which the tents are linear, at the ends of the shortest of some lines through it.
+    Where there is no such line the particle takes the nearest way out.
+    """
+    outside = position.copy()
+    _core.leave_solids(grid.core, outline, outside)
+    inside = np.flatnonzero((outside != position).any(axis=1))
+    if len(inside) == 0:
+        return position, volume
+    half, d = np.array(grid.spacing) / 2, grid.dimension
+    ways = [np.array(w) * half * k / 16 for k in range(1, 17) for w in product((-1, 0, 1), repeat=d) if any(w)]
+    pairs = np.array([(way, -lever * way) for lever in LEVERS for way in ways])
+    pairs = pairs[np.argsort(np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=-1), kind="stable")]
+    beside, shares = [np.empty((0, d))], [np.empty(0)]
+    for p in inside:
+        ends = (position[p] + pairs).reshape(-1, d)
+        free = ends.copy()
+        _core.leave_solids(grid.core, outline, free)
+        good = np.all((free == ends) & (np.floor(ends / half) == np.floor(position[p] / half)), axis=-1)
+        good = good.reshape(-1, 2).all(axis=1)
+        if good.any():
+            first, second = pairs[np.argmax(good)]
+            share = np.linalg.norm(second) / np.linalg.norm(first - second)
+            outside[p] = position[p] + first
+            beside.append(position[p : p + 1] + second)
+            shares.append(volume[p : p + 1] * (1.0 - share))
+            volume[p] *= share
+    return np.concatenate([outside, *beside]), np.concatenate([volume, *shares])
+
+
+def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]:
+    """All the water as if in clear space, and what the porous bodies take from it."""
+    parts = partition(grid, medium.bodies, medium.solids, also=water)
+    wet = [section(grid, water, span) for span, _, _ in parts]
+    regions = [(1.0, [(s, w.difference(solid)) for (s, solid, _), w in zip(parts, wet, strict=True)])]
+    for k, body in enumerate(medium.bodies):
+        inside = [(s, w.intersection(areas[k])) for (s, _, areas), w in zip(parts, wet, strict=True)]
+        regions.append((body.porosity - 1.0, inside))
+    return regions
+
+
+def _water(grid: Grid, regions: Sequence[Region], columns: tuple[int, int]) -> tuple[FloatArray, list[FloatArray]]:
+    """Water of each half cell of these columns and its first moments about the origin, in units of half cells."""
+    share = [(weight, Measure.of(grid, areas, columns)) for weight, areas in regions]
+
+    def total(powers: tuple[int, ...]) -> FloatArray:
+        return sum(weight * measure.half_cells(powers) for weight, measure in share)  # type: ignore[return-value]
+
+    volume = total((0,) * grid.dimension)
+    volume[volume < 1e-12] = 0.0
+    moments = []
+    for axis, n in enumerate(volume.shape):
+        lattice = np.arange(n) + (columns[0] if axis == 0 else 0)
+        centre = (lattice + 0.5).reshape([-1 if a == axis else 1 for a in range(grid.dimension)])
+        moments.append(total(tuple(int(a == axis) for a in range(grid.dimension))) + volume * centre)
+    return volume, moments
+
+
+def _pores(medium: Medium, columns: slice) -> FloatArray:
+    """Pore volume of each half cell of these columns, in units of half cells."""
+    everywhere = np.full(len(medium.bodies) + 2, 1.0)
+    everywhere[1:-1] = [body.porosity for body in medium.bodies]
+    everywhere[-1] = 0.0
+    return everywhere[medium.body[columns]]
+
+
+def _merge_slivers(volume: FloatArray, moment: list[FloatArray], pores: FloatArray) -> None:
+    """Moves the water of nearly empty half cells to a neighbour, with its moments, in place."""
+    sliver = (volume > 0) & (volume < SLIVER * np.maximum(pores, NARROW))
+    source = np.argwhere(sliver)
+    if len(source) == 0:
+        return
+    target, found = _receivers(source, np.where(sliver, 0.0, volume))
+    source, target = source[found], target[found]
+    to, at = tuple(target.T), tuple(source.T)
+    for field in (volume, *moment):
+        np.add.at(field, to, field[at])
+        field[at] = 0.0
+
+
+def _receivers(source: NDArray[np.intp], amount: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """For each half cell (S, d) the neighbour (S, d) that takes its water, and whether there is one.
+
+    The one below if it holds any amount, else the fullest of those beside it, else the fullest of those at its corners.
+    """
+    steps = np.array(sorted(product((-1, 0, 1), repeat=amount.ndim), key=lambda s: (np.abs(s).sum(), *s[::-1]))[1:])
+    beside = source[:, None] + steps  # the first step is down, then come the other sides, then the corners
+    inside = np.all((beside >= 0) & (beside < amount.shape), axis=-1)
+    held = np.where(inside, amount[tuple(np.moveaxis(np.where(inside[..., None], beside, 0), -1, 0))], 0.0)
+    preference = np.full(len(steps), 2.0)
+    preference[0], preference[2 * amount.ndim :] = 4.0, 0.0
+    best = np.where(held > 0, held + preference, 0.0).argmax(axis=1)
+    each = np.arange(len(source))
+    return beside[each, best], held[each, best] > 0

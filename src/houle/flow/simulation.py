@@ -1,0 +1,460 @@
+"""A case in motion: builds the flow from the case, chooses the time step, advances, and answers what is where.
+
+`advance` takes one step; what it does is in step.py. Steps are shortened only to land on the stop it is given.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from numbers import Real
+
+import numpy as np
+
+from houle import _core
+from houle.boundary.absorbing import Drive
+from houle.boundary.makers import Stream, damping, make_maker
+from houle.boundary.open_side import OpenSide
+from houle.boundary.paddle import Paddle, place
+from houle.boundary.sponge import resist, way_length
+from houle.case.model import Case
+from houle.case.tables.control import SHORTEST, WAVE_SHARE
+from houle.case.tables.tank import Porous
+from houle.case.tables.waves import Piston, Waves
+from houle.errors import CaseError, SimulationError
+from houle.flow.budget import Budget
+from houle.flow.ledger import OPERATIONS, WORKS, Ledger
+from houle.flow.operations import arrange, find_surface, prepare
+from houle.flow.particles import Particles
+from houle.flow.remeshers import STRATEGIES
+from houle.flow.remeshing import TRAVEL, Remeshing
+from houle.flow.rows import first_rows, more_rows, raised
+from houle.flow.seeding import seed
+from houle.flow.snapshot import Frame
+from houle.flow.state import Flow
+from houle.flow.step import STEPS
+from houle.flow.transfer import make
+from houle.grid import FloatArray, axes
+from houle.medium.medium import Medium, PorousBody
+from houle.medium.resistance import coefficients, inertia_coefficient
+from houle.medium.shapes import shape_of
+from houle.medium.storage import Room
+from houle.observe import Observers, Profile, at_points
+from houle.observe.held import water_held
+from houle.waves.piston import law_of, reading_of
+from houle.waves.wave import Wave
+
+GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled", "open_shear")  # state() on cells and faces
+
+
+class Simulation:
+    """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation.
+
+    `grid` is that of the domain and of the results; the flow has its lowest rows (rows.py).
+    """
+
+    def __init__(self, case: Case, threads: int | None = None) -> None:
+        if threads:
+            _core.set_threads(threads)
+        self.case, self.grid = case, case.domain.grid
+        self.time, self.steps = 0.0, 0
+        self.step_size = 0.0
+        self.viscous_step = case.viscous_step
+        self._build(first_rows(case))
+        self.ledger = Ledger(self.flow)
+        prepare(self.flow, self.step.transfer, self.ledger)
+        self.ledger.open()
+
+    def _build(self, rows: int) -> None:
+        """The flow as the case describes it, on so many rows of cells, arranged, and what observes it."""
+        for kept in ("_room", "_profile"):
+            self.__dict__.pop(kept, None)
+        case, grid = self.case, self.grid.lowest(rows)
+        d, numerics = grid.dimension, case.numerics
+        period = case.drag_period if case.porous else math.inf
+        bodies = [_porous_body(b, d, case.fluid.viscosity, period) for b in case.porous]
+        self.medium = Medium.build(grid, bodies, [shape_of(s, d) for s in case.solid], settles=not case.gate)
+        water = seed(grid, self.medium, [shape_of(w, d) for w in case.water])
+        _set_off(case, water)
+        self.flow = Flow(
+            grid, self.medium, water, gravity=case.acceleration,
+            kernel=numerics.kernel, tolerance=numerics.tolerance,
+            viscosity=case.fluid.viscosity, smagorinsky=case.fluid.smagorinsky,
+            no_slip=case.domain.walls.no_slip(d),
+        )  # fmt: skip
+        remesher = STRATEGIES[numerics.remesh](grid, self.medium)
+        transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
+        travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
+        remeshing = Remeshing(remesher, numerics.remesh_every, travel)
+        self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
+        self.wave = self._add_waves()
+        self._add_absorbers()
+        self.flow.sides = self._open_sides()
+        self.flow.driven.extend(self.flow.sides)
+        self._add_streams()
+        self._place_gates()
+        arrange(self.flow, transfer)
+        self.observers = Observers(case, self.flow)
+        self.budget = Budget(self.flow)
+
+    @property
+    def particles(self) -> Particles:
+        return self.flow.particles
+
+    @property
+    def timings(self) -> dict[str, float]:
+        return self.ledger.seconds
+
+    @property
+    def volume_drift(self) -> float:
+        """Change of the water volume that is not in- or outflow, relative [-]."""
+        return self.ledger.volume_drift()
+
+    def _add_waves(self) -> Wave | None:
+        """Wave maker and sponges of the case."""
+        case, flow, grid = self.case, self.flow, self.flow.grid
+        rate, wave = grid.faces(), case.wave
+        speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
+        if case.waves is not None and wave is not None:
+            speed = wave.group_velocity
+            if case.waves.piston is not None:
+                self._add_piston(case.waves, case.waves.piston, wave)
+            else:
+                maker = make_maker(case.waves, wave, grid, wall=all(side.side != "left" for side in case.open))
+                flow.makers = [maker]
+                maker.resist(rate)
+        for sponge in case.sponge:
+            length = way_length(sponge.box, grid)
+            resist(sponge.box, sponge.strength or damping(speed, length), grid, rate)
+        if any(r.any() for r in rate):
+            flow.damping = rate
+        return wave
+
+    def _open_sides(self) -> list[OpenSide]:
+        """Those of the case; the left one belongs to the wave that a relaxation zone makes."""
+        case, sides = self.case, []
+        for table in case.open:
+            faces = self.medium.open_faces[0].astype(float)
+            side = OpenSide.of(table, case.folder, self.flow.grid, faces, case.fluid.gravity, self.particles)
+            if case.waves is not None and case.waves.zone is not None and not side.far:
+                side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()
+                side.long_from = case.waves.zone.x[1] if case.waves.kind in ("series", "solitary") else 0.0
+            sides.append(side)
+        return sides
+
+    def _add_streams(self) -> None:
+        """What damps in front of an open side, in its half of the tank, leads towards the flow through that side."""
+        flow = self.flow
+        if not flow.damping:
+            return
+        middle = (self.grid.shape[0] + 1) // 2
+        for side in flow.sides:
+            rate = flow.damping[0].copy()
+            rate[slice(None, middle) if side.far else slice(middle, None)] = 0.0
+            flow.makers.append(Stream(rate, self._depths(), side.passing))
+
+    def _depths(self) -> FloatArray:
+        """Depth of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""
+        depths = self.particles.depths(self.grid)
+        padded = np.concatenate([depths[:1], depths, depths[-1:]])
+        return np.maximum(0.5 * (padded[:-1] + padded[1:]), self.grid.spacing[-1])
+
+    def _add_piston(self, table: Waves, piston: Piston, wave: Wave) -> None:
+        rest = self.grid.nearest_face(piston.x)
+        read = reading_of(wave, wave.depth, wave.gravity)
+        drive = Drive(law_of(table, wave, rest, read), read, self.flow, piston.absorb)
+        Paddle("piston", rest, 1, drive, self.flow)
+
+    def _add_absorbers(self) -> None:
+        """Walls that absorb what reaches them: by the depth of the water there."""
+        for table in self.case.absorber:
+            rest, water = self.grid.nearest_face(table.x), 1 if table.side == "left" else -1
+            column = round(rest / self.grid.spacing[0]) + min(water, 0)
+            depth = float(np.mean(self.particles.depths(self.grid)[column]))
+            read = reading_of(self.wave, depth, self.case.fluid.gravity, table.period)
+            Paddle(table.name, rest, water, Drive(None, read, self.flow, True), self.flow)
+
+    # ---- marching ------------------------------------------------------------------------------------------------
+
+    def advance(self, stop: float) -> None:
+        """One time step, never past `stop` [s]; the last step to it is as long as those before."""
+        if not (isinstance(stop, Real) and self.time < stop < math.inf):
+            raise CaseError(f"stop = {stop!r} is not a time after t = {self.time:g} s: give a later one [s]")
+        if self.steps == 0:
+            self.ledger.open()  # velocities may have been set since it was made
+        self._make_room()
+        remaining, largest = stop - self.time, self._largest_step()
+        count = max(1, math.ceil(remaining / largest - 1e-9))
+        last, self.step_size = self.step_size, remaining / count
+        if self._place_gates():
+            self.flow.sample_medium()  # of the faces that particles see beside the gate as it stands now
+            find_surface(self.flow)
+        self.flow.time = self.time
+        self.flow.last_step = last
+        for paddle in self.flow.paddles:
+            paddle.begin(self.step_size)
+        try:
+            self.step.advance(self.flow, self.step_size, last, self.ledger)
+            self.ledger.close()
+            self.observers.after_step(self.step_size)
+            self.time = stop if count == 1 else self.time + self.step_size
+            self.steps += 1
+            self._check(largest)
+        except SimulationError as error:
+            error.step, error.time = self.steps, self.time
+            raise
+
+    def _make_room(self) -> None:
+        """More rows of cells before the water comes near to the uppermost."""
+        more = more_rows(self.flow, self.grid.shape[-1]) - self.flow.grid.shape[-1]
+        if more:
+            state = self.state()
+            self.restore({k: raised(v, more) if k.startswith(GRID_STATE) else v for k, v in state.items()})
+
+    def _largest_step(self) -> float:
+        """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold.
+        And viscosity, which is explicit, stays stable: of no account in water.
+        """
+        case = self.case.time
+        gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
+        cells = max(self.flow.crossed(self.flow.fastest), 1e-300)  # crossed in a second
+        if case.step is not None:
+            courant = cells * case.step
+            if courant > 1.0:
+                raise SimulationError(
+                    f"time.step = {case.step:g} s is too long: the fastest particle crosses "
+                    f"{courant:.2f} cells in a step, at most 1. Leave step out and give courant, or halve the step.",
+                    diagnosis="The fixed time step is longer than the flow allows.",
+                )
+            return case.step
+        crossed = min(1.0 / cells, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
+        return min(case.courant * crossed, self.viscous_step)
+
+    def _place_gates(self) -> bool:
+        """Closes the faces that the gates cover at the present time, and says whether one has moved. Their lower edges
+        stand on the nearest grid line.
+
+        Through a face that is a little open the pressure would drive the water of a whole cell, which cannot pass.
+        """
+        flow, gates = self.flow, self.case.gate
+        if not gates:
+            return False
+        h, up = self.grid.spacing, self.grid.dimension - 1
+        rows = []
+        for gate in gates:
+            bottom = max(0.0, (self.time - gate.start) * gate.speed)
+            rows.append((round(gate.x / h[0]) * h[0], math.floor(bottom / h[up] + 0.5) * h[up]))
+        moved = flow.place_gates(np.array(rows))
+        if flow.paddles:
+            place(flow)
+        else:
+            flow.open_passages()
+        return moved
+
+    def _check(self, largest: float) -> None:
+        """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
+        p = self.particles
+        if not (all(map(math.isfinite, self.flow.fastest)) and _core.all_finite(p.position)):
+            raise SimulationError(
+                "the velocity is no longer a number", diagnosis="A particle velocity became infinite or not a number."
+            )
+        if largest < SHORTEST * math.sqrt(self.grid.spacing[-1] / max(9.81, *map(abs, self.flow.gravity))):
+            raise SimulationError(
+                f"the time step has shrunk to {largest:.1e} s: some water moves at {np.abs(p.velocity).max():.3g} m/s",
+                diagnosis="A few particles have a speed without physical cause; another transfer or kernel may not.",
+            )
+        drift = self.volume_drift
+        if not math.isfinite(drift):
+            raise SimulationError(
+                "the volume is no longer a number", diagnosis="A particle carries a volume that is not a number."
+            )
+        if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":
+            raise SimulationError(
+                f"water was lost: the volume has changed by {drift:.2e} of itself",
+                diagnosis="The volume carried by the particles is conserved to round-off; a change is a fault.",
+            )
+        self.budget.check(self.flow, self.ledger, self.case.fluid.density)
+
+    # ---- observing -----------------------------------------------------------------------------------------------
+
+    @property
+    def lag(self) -> dict[str, float]:
+        """By how much of a step what sample() gives is older than `time`; names left out are of `time`."""
+        moving = ("velocity", "kinetic_energy", "max_speed", *(f"momentum_{axis}" for axis in "xyz"), *WORKS)
+        observed = self.observers.lag(self.step.velocity_lag, self.step.pressure_lag)
+        return {**observed, **dict.fromkeys(moving, self.step.velocity_lag)}
+
+    def sample(self) -> dict[str, FloatArray | float]:
+        """Gauges, sensors, what else the case observes, and the ledger now, as copies; names and units in fields.py."""
+        return {**self.observers.sample(), **self._ledger_row()}
+
+    def _ledger_row(self) -> dict[str, float]:
+        flow, ledger, rho = self.flow, self.ledger, self.case.fluid.density
+        p, speed = flow.particles, flow.fastest
+        volume = p.total_volume
+        row = {
+            "volume": volume,
+            "volume_drift": self.volume_drift,
+            "mean_level": self._mean_level(),
+            "kinetic_energy": rho * ledger.kinetic,
+            "potential_energy": rho * self._potential_energy(),
+            "drag_work": rho * ledger.drag_work,
+            "viscous_work": rho * ledger.viscous_work,
+            "sponge_work": rho * ledger.sponge_work,
+            "source_work": rho * ledger.source_work,
+            "open_work": rho * ledger.open_work,
+            "inflow": float(ledger.inflow),
+            "outflow": float(ledger.outflow),
+            "max_speed": max(speed),
+            "courant": flow.crossed(speed) * self.step_size,
+            "step_size": self.step_size,
+            "particles": float(len(p)),
+        }
+        for a, axis in enumerate(axes(self.grid.dimension)):
+            row[f"momentum_{axis}"] = rho * _core.weighted_sum(flow.bulk, p.velocity, a)
+        for name in OPERATIONS:
+            row[f"energy_{name}"] = rho * ledger.energy[name]
+        for name in ("divergence", "pressure_iterations", "correction_iterations"):
+            row[name] = float(ledger.notes.get(name, 0.0))
+        return row
+
+    def _mean_level(self) -> float:
+        """The levels of the columns, and what those hold that have none: steep, overhanging, beside interfaces."""
+        return self._room.mean_level(self.flow.eta, self._room_along(), water_held(self.flow))
+
+    def _potential_energy(self) -> float:
+        """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
+        *along, down = self.flow.gravity
+        if self.case.waves is None or any(along):
+            return self.ledger.potential
+        return -down * self._room.height_moment(self.flow.eta, self._room_along())
+
+    def _room_along(self) -> FloatArray | None:
+        """Share of each column of cells that is between the moving walls, grid.shape[:-1]; None without any."""
+        flow = self.flow
+        if not flow.paddles:
+            return None
+        share = np.ones(self.grid.shape[:-1])
+        for paddle in flow.paddles:
+            share[paddle.behind], share[paddle.column] = 0.0, paddle.share
+        return share
+
+    @cached_property
+    def _room(self) -> Room:
+        return Room.of(self.flow.grid, self.medium)
+
+    @cached_property
+    def _profile(self) -> Profile:
+        return Profile(self.flow)
+
+    def frame(self) -> Frame:
+        """Everything the writers and the pictures need of this instant, as copies."""
+        flow, p, rho = self.flow, self.particles, self.case.fluid.density
+        pressure, _ = at_points(flow, p.position)
+        centre = [0.5 * (np.delete(u, 0, axis=a) + np.delete(u, -1, axis=a)) for a, u in enumerate(flow.velocity)]
+        wet = flow.fill > 1e-3
+        dry = self.grid.shape[-1] - flow.grid.shape[-1]  # rows
+        velocity = [raised(np.where(wet, u, 0.0), dry) for u in centre]
+        return Frame(
+            time=self.time,
+            step=self.steps,
+            position=p.position.copy(),
+            velocity=p.velocity / flow.porosity[:, None],
+            volume=p.volume.copy(),
+            porosity=np.array(flow.porosity),
+            pressure=rho * pressure,
+            cell_pressure=raised(rho * flow.pressure, dry),
+            cell_fill=raised(flow.fill, dry),
+            cell_velocity=np.stack(velocity, axis=-1),
+            cell_porosity=raised(self.medium.porosity - 1.0, dry) + 1.0,
+            eta=self._profile.levels(flow).copy(),
+        )
+
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
+
+    def state(self) -> dict[str, FloatArray]:
+        """Everything the next step depends on."""
+        flow, p, ledger = self.flow, self.particles, self.ledger
+        return {
+            "time": np.array(self.time),
+            "steps": np.array(self.steps),
+            "remesh_count": np.array(self.step.remeshing.count),
+            **{f"remesh_travelled.{a}": way for a, way in enumerate(self.step.remeshing.travelled)},
+            "step_size": np.array(self.step_size),
+            "position": p.position,
+            "velocity": p.velocity,
+            "volume": p.volume,
+            "pressure": flow.pressure,
+            "psi": flow.psi,
+            "volume0": np.array(ledger.volume0),
+            "given": np.array(ledger.given),
+            **{name: np.array(getattr(ledger, name)) for name in WORKS},
+            **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
+            **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
+            **{f"notes.{k}": np.array(float(v)) for k, v in ledger.notes.items()},
+            **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
+            **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
+            **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},
+            **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
+            **{f"paddle.{i}.memory": p.command.memory.copy() for i, p in enumerate(flow.paddles)},
+            **self.observers.state(),
+        }
+
+    def restore(self, state: dict[str, FloatArray]) -> None:
+        """Goes on from a state() of the same case, bitwise as if it had never stopped."""
+        rows = state["pressure"].shape[-1]
+        if rows != self.flow.grid.shape[-1]:
+            del self.flow, self.medium, self.step, self.observers, self.ledger.flow  # first, for the memory
+            self._build(rows)
+            self.ledger.flow = self.flow
+        flow, ledger = self.flow, self.ledger
+        self.time, self.steps = float(state["time"]), int(state["steps"])
+        self.step_size = float(state["step_size"])
+        self.step.remeshing.count = int(state["remesh_count"])
+        ways = [f"remesh_travelled.{a}" for a in range(self.grid.dimension)]
+        self.step.remeshing.travelled = [np.array(state[way]) for way in ways if way in state]
+        names = ("position", "velocity", "volume")
+        flow.particles = Particles(*(np.array(state[n], dtype=float, order="C") for n in names))
+        flow.resize_particles()
+        flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
+        for a, u in enumerate(flow.velocity):
+            u[...] = state[f"face_velocity.{a}"]
+        ledger.volume0 = float(state["volume0"])
+        ledger.given = float(state["given"])
+        for name in WORKS:
+            setattr(ledger, name, float(state[name]))
+        for key, value in state.items():
+            kind, _, name = key.partition(".")
+            if kind == "energy":
+                ledger.energy[name] = float(value)
+            elif kind == "notes":
+                ledger.notes[name] = float(value)
+            elif kind == "transfer":
+                self.step.transfer.arrays[name] = np.array(value)
+        for i, side in enumerate(flow.sides):
+            side.state = state[f"open.{i}"]
+            side.shear = np.array(state[f"open_shear.{i}"])
+        self.observers.restore(state)
+        for i, paddle in enumerate(flow.paddles):
+            paddle.x = float(state[f"paddle.{i}.x"])
+            paddle.command.memory[...] = state[f"paddle.{i}.memory"]
+        if flow.paddles:
+            place(flow)
+        self._place_gates()
+        arrange(flow, self.step.transfer)
+        ledger.go_on()
+
+
+def _set_off(case: Case, water: Particles) -> None:
+    """Gives the first particles the velocities of the shapes they lie in."""
+    for entry in case.water:
+        if entry.velocity is not None:
+            inside = shape_of(entry, case.dimension).contains(water.position)
+            water.velocity[inside] = entry.velocity
+
+
+def _porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:
+    a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity, period)
+    inertia = inertia_coefficient(entry.porosity, entry.added_mass)
+    on_rate = entry.added_mass_on == "rate"
+    return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia, on_rate)

@@ -1,0 +1,225 @@
+"""What columns of cells hold up to any level: exact, for the columns where porosity changes or solids stand.
+
+The water of a column is W = sum_p V_p T(x_p - x_c), with the tent T across (linear, two cells wide, folded at walls).
+Particles at the centroids of the water of their half cells give it exactly, as T is linear over each half cell. What
+the column holds up to the level z is the integral of A(z) = integral of n T over the section at z, n the porosity, 0 in
+solids. Between the heights where a corner of a shape lies, or where an edge crosses a kink of T, A is a parabola: so
+the inverse, level from water, is exact too, and water at rest has one level, whatever slopes cross it. In 3D the term
+in x y is left where an upright edge stands inside a half cell: a few thousandths of a cell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.grid import FloatArray, Grid, fixed
+from houle.medium.integrals import edges
+from houle.medium.medium import Medium, partition
+
+NEAR = 1e-10  # [cells] heights nearer to each other are one
+NOTHING = 1e-12  # of a column's section: less is closed
+REACH = 2  # columns: the spline of column_heights sees one and a half, its sum is divided by the porosity of one
+SAMPLES = np.array([1.0, 3.0, 5.0]) / 6.0  # of a piece: three points that give its parabola, inside of any steps
+
+Region = tuple[float, FloatArray]  # what it adds to the porosity, its edges (E, 2, 2) [cells]
+Tents = list[tuple[float, "_Tent"]]
+
+
+@dataclass(frozen=True)
+class Capacity:
+    """Pieces of the capacity of columns, one column after the other, from the bottom to the top of the tank.
+
+    column (M,): flat numbers of the columns; start (M + 1,): piece start[i] is the first of column[i].
+    pieces (P, 5): z and capacity below it [cells], and a, b, c of A = a + b s + c s^2 with s from 0 to 1 over the
+    piece, as a share of the plan area of a cell. The last piece of a column only tells where it ends.
+    """
+
+    column: NDArray[np.int64]
+    start: NDArray[np.int64]
+    pieces: FloatArray
+
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Capacity:
+        """The capacity of all columns that are not uniform."""
+        return cls._joined(_columns(grid, medium, range(grid.shape[0]), ()))
+
+    @classmethod
+    def _joined(cls, pieces: dict[int, FloatArray]) -> Capacity:
+        """From the pieces (P, 5) of each column."""
+        lengths = [len(p) for p in pieces.values()]
+        return cls(
+            fixed(np.array(list(pieces), np.int64)),
+            fixed(np.concatenate([[0], np.cumsum(lengths)]).astype(np.int64)),
+            np.concatenate([np.empty((0, 5)), *pieces.values()]),
+        )
+
+    def between_gates(self, grid: Grid, medium: Medium, gates: FloatArray) -> Capacity:
+        """The same where gates (K, 2) stand, x [m] and lower edge [m]: the tents beside them are folded there."""
+        faces = {round(x / grid.spacing[0]) for x, _ in gates}
+        pieces = _columns(grid, medium, sorted(faces | {face - 1 for face in faces}), gates)
+        if not pieces:
+            return self
+        own = zip(self.column.tolist(), np.split(self.pieces, self.start[1:-1]), strict=True)
+        return self._joined({**dict(own), **pieces})
+
+
+@dataclass(frozen=True)
+class _Tent:
+    """The tent of one column along an axis, with its images behind walls or periodic sides: centres [cells].
+
+    low, high: gates between which it lies, with the centres of the images behind them [cells].
+    """
+
+    centres: FloatArray
+    low: float = -math.inf
+    high: float = math.inf
+
+    @classmethod
+    def of(cls, number: int, count: int, periodic: bool) -> _Tent:
+        c = number + 0.5
+        return cls(np.array([c, c - count, c + count] if periodic else [c, -c, 2 * count - c]))
+
+    def between(self, faces: Sequence[int]) -> _Tent:
+        """The same between gates on faces at its sides."""
+        c = self.centres[0]
+        low = max((float(f) for f in faces if f < c), default=-math.inf)
+        high = min((float(f) for f in faces if f > c), default=math.inf)
+        images = [2.0 * f - c for f in (low, high) if math.isfinite(f)]
+        return _Tent(np.concatenate([self.centres, images]), low, high)
+
+    def below(self, x: FloatArray) -> FloatArray:
+        """Its integral from far below up to x [cells]."""
+        whole = self._whole(np.clip(x, self.low, self.high))
+        return whole - self._whole(np.array(self.low)) if math.isfinite(self.low) else whole
+
+    def _whole(self, x: FloatArray) -> FloatArray:
+        s = np.clip(np.asarray(x)[..., None] - self.centres, -1.0, 1.0)
+        return np.where(s < 0, 0.5 * (1.0 + s) ** 2, 1.0 - 0.5 * (1.0 - s) ** 2).sum(axis=-1)
+
+    @property
+    def kinks(self) -> FloatArray:
+        gates = [face for face in (self.low, self.high) if math.isfinite(face)]
+        return np.unique(np.append(self.centres[:, None] + [-1.0, 0.0, 1.0], gates))
+
+    def touches(self, edge: FloatArray) -> NDArray[np.bool_]:
+        """Which of the edges (E, 2, 2) reach into it."""
+        low, high = edge[:, :, 0].min(axis=1), edge[:, :, 0].max(axis=1)
+        return np.any((low[:, None] <= self.centres + 1) & (high[:, None] >= self.centres - 1), axis=1)
+
+
+def _columns(grid: Grid, medium: Medium, among: Iterable[int], gates: Iterable[FloatArray]) -> dict[int, FloatArray]:
+    """The pieces (P, 5) of the columns that are not uniform, by their flat numbers. among: along x."""
+    mixed = ~uniform_columns(grid, medium)
+    layers = _layers(grid, medium)
+    across = _layer_weights(grid, [span for span, _ in layers])
+    outlines = [edge for _, regions in layers for _, edge in regions]
+    found = {}
+    for i in among:
+        if not mixed[i].any():
+            continue
+        tents = _tents(grid, i, gates)
+        z = _heights(outlines, tents, grid.shape[-1])
+        sections = np.stack([_sections(regions, tents, z) for _, regions in layers])
+        for number in np.flatnonzero(mixed[i]):
+            found[i * mixed[i].size + int(number)] = _pieces(z, np.tensordot(across[number], sections, 1))
+    return found
+
+
+def _tents(grid: Grid, i: int, gates: Iterable[FloatArray]) -> Tents:
+    """From which height on [cells], and the tent of column i from there: gates fold what reaches above their edges."""
+    plain, up = _Tent.of(i, grid.shape[0], grid.periodic[0]), grid.spacing[-1]
+    beside = sorted((max(0.0, bottom / up - 0.5), round(x / grid.spacing[0])) for x, bottom in gates)
+    beside = [(bottom, face) for bottom, face in beside if face in (i, i + 1)]
+    folded = [(low, plain.between([face for _, face in beside[: k + 1]])) for k, (low, _) in enumerate(beside)]
+    return [(0.0, plain), *folded]
+
+
+def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
+    """Whether a column and those within REACH of it hold one porosity throughout and no solid, grid.shape[:-1]."""
+    low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
+    low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
+    for a in range(grid.dimension - 1):
+        mode: Literal["wrap", "symmetric"] = "wrap" if grid.periodic[a] else "symmetric"
+        around = [(REACH, REACH) if b == a else (0, 0) for b in range(grid.dimension - 1)]
+        window = 2 * REACH + 1
+        low = np.lib.stride_tricks.sliding_window_view(np.pad(low, around, mode), window, a).min(axis=-1)
+        high = np.lib.stride_tricks.sliding_window_view(np.pad(high, around, mode), window, a).max(axis=-1)
+    return high - low <= 1e-12
+
+
+def _layers(grid: Grid, medium: Medium) -> list[tuple[tuple[float, float], list[Region]]]:
+    """Spans of y [m], and what stands in their sections."""
+    half = (grid.spacing[0] / 2, grid.spacing[-1] / 2)  # the lattice of the seeds, to round as they do
+    gains = [-1.0, *(body.porosity - 1.0 for body in medium.bodies)]
+    return [
+        (span, [(gain, edges(area, half) / 2) for gain, area in zip(gains, (solid, *areas), strict=True)])
+        for span, solid, areas in partition(grid, medium.bodies, medium.solids)
+    ]
+
+
+def _layer_weights(grid: Grid, spans: list[tuple[float, float]]) -> FloatArray:
+    """Share (columns in y, layers) of each layer in the tents along y; 1 in 2D."""
+    if grid.dimension == 2:
+        return np.ones((1, 1))
+    ends = np.array(spans) / grid.spacing[1]
+    tents = [_Tent.of(j, grid.shape[1], grid.periodic[1]) for j in range(grid.shape[1])]
+    return np.array([tent.below(ends[:, 1]) - tent.below(ends[:, 0]) for tent in tents])
+
+
+def _heights(outlines: list[FloatArray], tents: Tents, top: int) -> FloatArray:
+    """Sorted heights [cells] between which the section of the column is a parabola, from 0 to top."""
+    found = [np.array([0.0, float(top), *(low for low, _ in tents)])]
+    for (_, tent), outline in product(tents, outlines):
+        edge = outline[tent.touches(outline)]
+        found.append(edge[:, :, 1].ravel())
+        start, step = edge[:, None, 0], edge[:, None, 1] - edge[:, None, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s = (tent.kinks - start[..., 0]) / step[..., 0]
+            z = start[..., 1] + s * step[..., 1]
+        found.append(z[(s > 0) & (s < 1)])
+    z = np.unique(np.clip(np.concatenate(found), 0.0, top))
+    z = z[np.concatenate([[True], np.diff(z) > NEAR])]
+    z[-1] = top
+    return z
+
+
+def _sections(regions: list[Region], tents: Tents, z: FloatArray) -> FloatArray:
+    """Mean porosity (P, 3) over the tent at the `SAMPLES` of each piece between the heights z (P + 1,)."""
+    at = z[:-1, None] + np.diff(z)[:, None] * SAMPLES
+    total = np.empty_like(at)
+    for low, tent in tents:
+        above = at[:, 0] > low
+        total[above] = _mean(regions, tent, at[above])
+    return total
+
+
+def _mean(regions: list[Region], tent: _Tent, at: FloatArray) -> FloatArray:
+    """Mean porosity over the tent at heights [cells]."""
+    total = np.ones_like(at)
+    for gain, edge in regions:
+        for (x0, z0), (x1, z1) in edge:
+            crossed = (at >= min(z0, z1)) & (at < max(z0, z1))
+            if crossed.any():  # the area lies to the left of an edge that runs upwards
+                x = x0 + (at[crossed] - z0) / (z1 - z0) * (x1 - x0)
+                total[crossed] += gain * np.copysign(1.0, z1 - z0) * tent.below(x)
+    return total
+
+
+def _pieces(z: FloatArray, section: FloatArray) -> FloatArray:
+    """The pieces (P + 1, 5) of one column from the sections (P, 3) at their samples."""
+    low, middle, high = np.where(section < NOTHING, 0.0, section).T
+    c = 4.5 * (low - 2 * middle + high)
+    slope = 1.5 * (high - low)  # at the middle
+    a, b = middle - slope / 2 + c / 4, slope - c
+    held = np.maximum(np.diff(z) * (a + b / 2 + c / 3), 0.0)
+    pieces = np.zeros((len(z), 5))
+    pieces[:, 0], pieces[1:, 1] = z, np.cumsum(held)
+    pieces[:-1, 2:] = np.stack([a, b, c], axis=-1)
+    return pieces

@@ -1,0 +1,357 @@
+"""Thin solids: water on the two sides of a plate shares no cell.
+
+A cell has one fill, one pressure and one velocity on each face, and a particle gives to all within a cell. Where a
+plate is thinner, water on its one side pushed and carried that on the other: a third of it went through a plate in a
+second, and a film beside the tip of a wedge gained energy. So no window as large as a cell, wherever it lies on the
+lattice of half cells, may be parted: where a solid parts the open space of one, all of it counts as solid. A plate is
+then one cell thick at least, and as it is drawn where it is thicker; a solid thicker than a cell is changed at its tips
+only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations, groupby, pairwise, product
+from operator import itemgetter
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from houle.grid import FloatArray, Grid
+from houle.medium.integrals import cut_all, edges
+from houle.medium.shapes import EVERYWHERE, Box, Shape, Span, Union, covers, layers, polygons, repeated, section
+
+CRUMB = 1e-9  # of a window: less open space is no part of it; a face beside more may be open (`porous.CLOSED`)
+SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
+BEHIND = 1e-3  # of a window: less open space on one side of a slit is none
+BEVEL = 1.5  # of half a slit: how far the corners of solids reach where slits are looked for
+NEAR = 1e-6  # [cells]
+STEPS, FARTHEST = 16, 48  # a cell, and in all, in which a way out of the windows is looked for
+
+Lines = tuple[FloatArray, FloatArray]  # between windows along x and z [m]
+
+
+@dataclass(frozen=True)
+class Thickened(Union):
+    """A solid, the first part, with the windows that it parts."""
+
+    @property
+    def drawn(self) -> Shape:
+        return self.parts[0]
+
+    @property
+    def windows(self) -> Union:
+        return Union(self.parts[1:])
+
+
+def thickened(grid: Grid, solids: Sequence[Shape]) -> tuple[Shape, ...]:
+    """The solids, each with the windows that it parts; where there are several, the one nearest to their middle."""
+    return _thickened(grid, tuple(solids))
+
+
+@lru_cache(maxsize=8)  # the pre-flight, the run and each of its pictures ask for the same ones
+def _thickened(grid: Grid, solids: tuple[Shape, ...]) -> tuple[Shape, ...]:
+    whole = list(solids)
+    for shift in product((0.0, 0.5), repeat=grid.dimension) if solids else ():
+        found = sorted(parted_windows(grid, whole, shift), key=itemgetter(0))
+        more: list[list[Box]] = [[] for _ in whole]
+        for layer, windows in groupby(found, key=itemgetter(0)):
+            alone = np.array([repeated(grid, section(grid, [solid], layer)) for solid in whole])
+            for _, window in windows:
+                x, z = (0.5 * (window.lower[a] + window.upper[a]) for a in (0, -1))
+                far = np.nan_to_num(shapely.distance(alone, shapely.Point(x, z)), nan=np.inf)
+                more[int(np.argmin(far))].append(window)
+        for n, boxes in enumerate(more):
+            if boxes:
+                before = whole[n]
+                parts = before.parts if isinstance(before, Thickened) else (before,)
+                whole[n] = Thickened((*parts, *_joined(_joined(boxes, -1), 0)))
+    return tuple(whole)
+
+
+def _joined(boxes: Iterable[Box], axis: int) -> list[Box]:
+    """The boxes, those that follow each other along an axis as one."""
+
+    def others(box: Box) -> tuple[float, ...]:
+        ends = np.delete(np.array([box.lower, box.upper]), axis, axis=1)
+        return tuple(ends.ravel())
+
+    found: list[Box] = []
+    for box in sorted(boxes, key=lambda b: (others(b), b.lower[axis])):
+        last = found[-1] if found else None
+        if last is not None and others(last) == others(box) and last.upper[axis] == box.lower[axis]:
+            found[-1] = Box(last.lower, box.upper)
+        else:
+            found.append(box)
+    return found
+
+
+def parted_windows(grid: Grid, solids: Sequence[Shape], shift: Sequence[float]) -> Iterator[tuple[Span, Box]]:
+    """Windows whose open space has parts that do not touch, each with a layer in y in which a solid is.
+
+    shift: of the windows from the cells (d,) [cells]; those at a wall are cut there, those at the seam of a periodic
+    axis are whole and come in two. In 3D a window is as long in y as the same layers go on.
+    """
+    spans, lines = layers(grid, solids), (_lines(grid, 0, shift[0]), _lines(grid, -1, shift[-1]))
+    areas = [repeated(grid, section(grid, solids, span)) for span in spans]
+    blocks = [_blocks(area, lines) for area in areas]
+    closed = _without_slits(grid, spans, areas)
+    apart = [_blocks(c, lines) if _has_slits(grid, c, a) else [] for c, a in zip(closed, areas, strict=True)]
+    edges_in = [_edges_in(grid, area, lines, (shift[0], shift[-1])) for area in areas]
+    for number, width, y in _stacks(grid, spans, shift[1]):
+        if len(number) == 1:
+            where = edges_in[number[0]] > 1  # one edge leaves one part
+        else:
+            where = np.any([(edges_in[n] > 0) | _middles(areas[n], lines) for n in number], axis=0)
+        at = np.argwhere(where)
+        window = [_window(lines, i, k) for i, k in at]
+        open_ = [shapely.difference(window, [blocks[n][i] for i, _ in at]) for n in number]
+        least = BEHIND * shapely.area(window)
+        parts = [
+            _parts(found, [apart[n][i] for i, _ in at if apart[n]], least)
+            for n, found in zip(number, open_, strict=True)
+        ]
+        for box, found, layer in zip(window, zip(*open_, strict=True), zip(*parts, strict=True), strict=True):
+            if _is_parted(layer, width, box.area):
+                solid = next(spans[n] for n, part in zip(number, found, strict=True) if part.area < box.area)
+                (x0, z0, x1, z1), (low, high) = box.bounds, (((end,) if grid.dimension == 3 else ()) for end in y)
+                for inside in _inside(grid, Box((x0, *low, z0), (x1, *high, z1))):
+                    yield solid, inside
+
+
+def _lines(grid: Grid, axis: int, shift: float) -> FloatArray:
+    """Ends of the windows along an axis [m]; the first one of a periodic axis begins before its seam."""
+    inner = np.array((np.arange(grid.shape[axis] + 1) + shift) * grid.spacing[axis], float)
+    if shift == 0.0:
+        return inner
+    if grid.periodic[axis]:
+        return np.array(inner - grid.spacing[axis], float)
+    return np.array([0.0, *inner[:-1], grid.size[axis]], float)
+
+
+def _window(lines: Lines, i: int, k: int) -> shapely.Polygon:
+    (x, z) = lines
+    return shapely.box(x[i], z[k], x[i + 1], z[k + 1])
+
+
+def _inside(grid: Grid, box: Box) -> list[Box]:
+    """The box, in two parts inside the domain where it lies across the seam of a periodic axis."""
+    found = [box]
+    for axis in range(grid.dimension):
+        low, size = box.lower[axis], grid.size[axis]
+        if low < 0.0:
+            ends = [(0.0, box.upper[axis]), (size + low, size)]
+            found = [Box(_put(b.lower, axis, e[0]), _put(b.upper, axis, e[1])) for b in found for e in ends]
+    return found
+
+
+def _put(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ...]:
+    return (*corner[:axis], value, *corner[axis + 1 :])
+
+
+def _blocks(area: shapely.Geometry, lines: Lines) -> list[shapely.Geometry]:
+    """What of an area lies around each column of windows, and somewhat more: less to go through for each."""
+    (x, z), found = lines, []
+    count = len(x) - 1
+    several = int(np.ceil(np.sqrt(count)))
+    for first in range(0, count, several):
+        last = min(first + several, count)
+        margin = x[1] - x[0]
+        around = shapely.box(x[first] - margin, z[0] - margin, x[last] + margin, z[-1] + margin)
+        found += _plain([shapely.intersection(area, around)]) * (last - first)
+    return found
+
+
+def _without_slits(grid: Grid, spans: Sequence[Span], areas: Sequence[shapely.Geometry]) -> list[shapely.Geometry]:
+    """The areas (of `repeated`) of the layers and what is open between them, or beside walls, less wide than `SLIT`."""
+    radius = 0.5 * SLIT * min(grid.spacing[0], grid.spacing[-1])
+    ends = [(-size, 2.0 * size) if wraps else (0.0, size) for size, wraps in zip(grid.size, grid.periodic, strict=True)]
+    tank = shapely.box(ends[0][0], ends[-1][0], ends[0][1], ends[-1][1])
+    walls = shapely.difference(shapely.box(*tank.buffer(4.0 * radius).bounds), tank)
+    found = []
+    for area in areas:
+        grown = _buffer(shapely.union_all([area, walls]), radius)
+        found.append(area if area.is_empty else _buffer(grown, -radius))
+    if grid.dimension == 3:  # and across y, in layers less thick than that
+        whole = list(found)
+        for n, (low, high) in enumerate(spans):
+            if high - low < SLIT * grid.spacing[1]:
+                sides = [m % len(spans) if grid.periodic[1] else m for m in (n - 1, n + 1)]
+                beside = [whole[m] if 0 <= m < len(spans) else tank for m in sides]
+                found[n] = shapely.union_all([found[n], shapely.intersection(*beside)])
+    return found
+
+
+def _buffer(area: shapely.Geometry, radius: float) -> shapely.Geometry:
+    return shapely.buffer(area, radius, join_style="mitre", mitre_limit=BEVEL)
+
+
+def _plain(areas: Iterable[shapely.Geometry]) -> list[shapely.Geometry]:
+    """The areas, without the lines and points in which shapes may touch."""
+    return [shapely.multipolygons(polygons(area)) for area in areas]
+
+
+def _has_slits(grid: Grid, closed: shapely.Geometry, area: shapely.Geometry) -> bool:
+    least = CRUMB * grid.spacing[0] * grid.spacing[-1]
+    return bool((shapely.area(polygons(shapely.difference(closed, area))) > least).any())
+
+
+def _parts(open_: NDArray[np.object_], closed: list[shapely.Geometry], least: FloatArray) -> list[NDArray[np.object_]]:
+    """The polygons of the open space (W,) of windows; those that only slits join each, where there are some.
+
+    closed: the solids at each window without their slits, none if they have none; least (W,) [m2]: less behind a slit
+    is none.
+    """
+    one = (shapely.get_type_id(open_) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(open_)
+    whole = [open_[w : w + 1] if one[w] else polygons(area) for w, area in enumerate(open_)]
+    if not closed:
+        return whole
+    wide = shapely.difference(_plain(open_), closed)
+    return [_split(*each) for each in zip(whole, wide, least, strict=True)]
+
+
+def _split(whole: NDArray[np.object_], wide: shapely.Geometry, least: float) -> NDArray[np.object_]:
+    """The polygons of the open space of a window, those that only a slit joins each; `wide` is without slits."""
+    parts = polygons(wide)
+    parts = parts[shapely.area(parts) > least]
+    if len(parts) < 2:
+        return whole
+    inside = [parts[shapely.intersects(polygon, shapely.point_on_surface(parts))] for polygon in whole]
+    pieces = [own if len(own) > 1 else np.array([polygon]) for polygon, own in zip(whole, inside, strict=True)]
+    return np.concatenate(pieces)
+
+
+def _edges_in(grid: Grid, area: shapely.Geometry, lines: Lines, shift: tuple[float, float]) -> NDArray[np.intp]:
+    """How many edges of an area run through each of the windows of a section."""
+    shape = (len(lines[0]) - 1, len(lines[1]) - 1)
+    piece, edge = cut_all(edges(area, (0.5 * grid.spacing[0], 0.5 * grid.spacing[-1])))  # in half cells: on all lines
+    window = np.floor(0.5 * piece.mean(axis=1) + shift).astype(np.intp)
+    inside = ((window >= 0) & (window < shape)).all(axis=1)
+    through = np.unique(np.column_stack([edge, window])[inside], axis=0)[:, 1:]
+    flat = np.ravel_multi_index(tuple(through.T), shape)
+    return np.bincount(flat, minlength=shape[0] * shape[1]).reshape(shape)
+
+
+def _middles(area: shapely.Geometry, lines: Lines) -> NDArray[np.bool_]:
+    """Whether the area covers the middle of each window of a section."""
+    x, z = np.meshgrid(*((line[1:] + line[:-1]) / 2 for line in lines), indexing="ij")
+    return covers(area, x, z)
+
+
+def _stacks(grid: Grid, spans: Sequence[Span], shift: float) -> Iterator[tuple[list[int], FloatArray, Span]]:
+    """Numbers of the layers that run through the same windows in y, how wide [m] they are there, and from where to
+    where [m] these windows reach.
+    """
+    if grid.dimension == 2:
+        yield [0], np.ones(1), EVERYWHERE
+        return
+    y, slack = _lines(grid, 1, shift), NEAR * grid.spacing[1]
+    copies = [
+        (n, low + by, high + by)
+        for by in ((-grid.size[1], 0.0) if y[0] < 0.0 else (0.0,))
+        for n, (low, high) in enumerate(spans)
+    ]
+    through: list[list[int]] = []
+    width: list[list[float]] = []
+    for a, b in pairwise(y):
+        here = [(n, min(high, b) - max(low, a)) for n, low, high in copies if low < b - slack and high > a + slack]
+        runs = [list(run) for _, run in groupby(here, key=itemgetter(0))]  # across the seam one layer may go on
+        through.append([run[0][0] for run in runs])
+        width.append([sum(w for _, w in run) for run in runs])
+    for number, run in groupby(range(len(through)), key=through.__getitem__):
+        windows = list(run)
+        total = np.sum([width[w] for w in windows], axis=0)
+        yield number, total, (y[windows[0]], y[windows[-1] + 1])
+
+
+def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: float) -> bool:
+    """Whether the open polygons of the layers of a window, which are so wide, are more than one part of its space."""
+    part = [(n, p) for n, found in enumerate(layer) for p in found]
+    if len(part) < 2:
+        return False
+    joined = list(range(len(part)))  # number of the part that each polygon belongs to
+    for one, other in combinations(range(len(part)), 2):
+        (n, p), (m, q) = part[one], part[other]
+        if m == n + 1 and joined[one] != joined[other] and shapely.intersection(p, q).area > CRUMB * window:
+            joined = [joined[one] if j == joined[other] else j for j in joined]
+    size = np.zeros(len(part))
+    np.add.at(size, joined, [width[n] * p.area for n, p in part])
+    return int((size > CRUMB * window * width.sum()).sum()) > 1
+
+
+def added(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
+    """The windows that count as solid besides what is drawn."""
+    whole = [solid for solid in thickened(grid, solids) if isinstance(solid, Thickened)]
+    return [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
+
+
+def at_width(boxes: Sequence[Box], y: float) -> list[Box]:
+    """Those that reach over a y in 3D; all of them in 2D."""
+    return [box for box in boxes if box.span[0] <= y <= box.span[1]]
+
+
+def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> FloatArray:
+    """Where to look for the water beside points (N, d) [m] on or beside a thin solid: those that lie in a window which
+    it parts, moved out of that, away from the solid as it is drawn.
+    """
+    found, spacing = points.copy(), min(grid.spacing)
+    for solid in solids:
+        if not isinstance(solid, Thickened):
+            continue
+        held = np.flatnonzero(solid.windows.contains(points))
+        away = _away(grid, solid.drawn, points[held], NEAR * spacing)
+        for step in np.arange(1, FARTHEST + 1) * (spacing / STEPS):
+            inside = solid.contains(found[held])
+            moved = points[held[inside]] + step * away[inside]
+            found[held[inside]] = np.where(grid.periodic, moved % grid.size, moved)
+    return found
+
+
+def behind_plates(grid: Grid, solids: Sequence[Shape], points: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
+    """Which of the other points (N, K, d) [m] a solid hides from the points (N, d), where both lie outside it.
+
+    Along periodic axes the nearest copy of the other point is looked at.
+    """
+    copies = np.zeros_like(others)
+    for axis in np.flatnonzero(grid.periodic):
+        copies[..., axis] = grid.size[axis] * np.round((others - points[:, None])[..., axis] / grid.size[axis])
+    hidden = _between(grid, solids, np.broadcast_to(points[:, None], others.shape), others - copies)
+    if copies.any():  # the other end of the way, where that leaves the domain
+        hidden |= _between(grid, solids, points[:, None] + copies, others)
+    return hidden
+
+
+def _between(grid: Grid, solids: Sequence[Shape], start: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
+    """Whether a solid lies between two points (N, K, d) [m] that lie outside it."""
+    hidden = np.zeros(start.shape[:2], bool)
+    if not solids or not start.size:
+        return hidden
+    line = shapely.linestrings(np.stack([start, end], axis=2)[..., [0, -1]])
+    y0, y1 = np.minimum(start[..., 1], end[..., 1]), np.maximum(start[..., 1], end[..., 1])
+    for low, high in layers(grid, solids):
+        area = section(grid, solids, (low, high))
+        inside = shapely.contains(area, shapely.points(start[..., [0, -1]]))
+        free = ~inside & ~shapely.intersects(area, shapely.points(end[..., [0, -1]]))
+        between = free & (shapely.length(shapely.intersection(area, line)) > NEAR * grid.spacing[0])
+        if grid.dimension == 3:
+            between &= (low <= start[..., 1]) & (start[..., 1] <= high)
+            between |= inside & (y0 <= low) & (high <= y1)  # as thin in y
+        hidden |= between
+    return hidden
+
+
+def _away(grid: Grid, shape: Shape, points: FloatArray, step: float) -> FloatArray:
+    """The way out of a shape, or away from it and its copies along periodic axes, (N, d), of length 1: the gradient of
+    the signed distance.
+    """
+    by = [(-size, 0.0, size) if wraps else (0.0,) for size, wraps in zip(grid.size, grid.periodic, strict=True)]
+
+    def distance(at: FloatArray) -> FloatArray:
+        return np.min([shape.distance(at + np.array(copy)) for copy in product(*by)], axis=0)
+
+    ends = [[distance(points + side * step * axis) for side in (-1, 1)] for axis in np.eye(points.shape[1])]
+    slope = np.stack([high - low for low, high in ends], axis=-1) / (2.0 * step)
+    return slope / np.maximum(np.linalg.norm(slope, axis=-1, keepdims=True), 1e-12)

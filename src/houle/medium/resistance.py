@@ -1,0 +1,313 @@
+"""Resistance of porous bodies: one function per published law, all giving the canonical pair a [1/s], b [1/m].
+
+The drag per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d = n u. Every law has its own powers
+of the porosity n: coefficients may not be carried from one law to another. To add a law, copy the shortest function,
+change the formula, the citation and the range, and add it to LAWS at the bottom: the case file, `houle describe` and
+the tests find it there. READ means that the formula was checked in the named source or in a code that implements it;
+RECALLED that it is written from memory of the literature and should be compared with the paper before it is trusted.
+
+In flow that goes to and fro b grows by (1 + 7.5/KC), KC = |u_d| T/(n d). With KC where the water is, that share of
+b |u_d| u_d is linear in u_d, and does not know the grain: 7.5 beta (1-n)/(n^2 T), a part of a. So a law needs the
+period and no iteration. A KC of the amplitude U instead, b 7.5 n d/(U T) |u_d| u_d, does 8/(3 pi) of its work.
+
+Comparison of the formulations: Dusterhoft-Wriggers, Larese, Onate & Rung (arXiv 2106.13267): the differences stay small
+for most applications, in particular for a porous Reynolds number u_d d50 / nu below 5000.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, sqrt
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from houle.case.tables.tank import Fluid, Porous, Resistance
+
+Pair = tuple[float, float]
+REFERENCE_VELOCITY = 0.10  # Darcy velocity [m/s] at which the laws are compared
+
+
+def to_and_fro(n: float, beta: float, period: float) -> float:
+    """7.5 beta (1-n)/(n^2 T): what (1 + 7.5/KC) adds to a with KC = |u_d| T/(n d) where the water is [1/s]."""
+    return 7.5 * beta * (1 - n) / (n**2 * period)
+
+
+def van_gent_1995(
+    n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf
+) -> Pair:
+    """a = alpha (1-n)^2/n^3 nu/d^2,  b = beta (1 + 7.5/KC) (1-n)/n^3 / d. KC = u T/(n d), infinite in steady flow.
+
+    With the period T instead of kc: a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T), b = beta (1-n)/n^3 / d.
+    """
+    a, b = alpha * (1 - n) ** 2 / n**3 * nu / d**2, beta * (1 + 7.5 / kc) * (1 - n) / n**3 / d
+    return a + to_and_fro(n, beta, period), b
+
+
+def liu_1999(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
+    """a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T),  b = beta (1-n)/n^3 / d, T = max(1 s, period).
+
+    As van Gent with kc. The authors' codes take KC as at 0.01 m/s where the water is slower; there this is the larger
+    drag.
+    """
+    return van_gent_1995(n, d, nu, alpha, beta, kc, max(1.0, period))
+
+
+def engelund_1953(n: float, d: float, nu: float, alpha: float, beta: float) -> Pair:
+    """a = alpha (1-n)^3/n^2 nu/d^2,  b = beta (1-n)/n^3 / d."""
+    return alpha * (1 - n) ** 3 / n**2 * nu / d**2, beta * (1 - n) / n**3 / d
+
+
+def olaflow(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
+    """a = alpha (1-n)^3/n^3 nu/d^2 (the cube is olaFlow's own),  b = beta (1 + 7.5/KC) (1-n)/n^3 / d.
+
+    With the period T instead of kc: a grows by 7.5 beta (1-n)/(n^2 T), b is without KC.
+    """
+    a, b = alpha * (1 - n) ** 3 / n**3 * nu / d**2, beta * (1 + 7.5 / kc) * (1 - n) / n**3 / d
+    return a + to_and_fro(n, beta, period), b
+
+
+def ergun_1952(n: float, d: float, nu: float, alpha: float, beta: float) -> Pair:
+    """a = alpha (1-n)^2/n^3 nu/d^2,  b = beta (1-n)/n^3 / d."""
+    return alpha * (1 - n) ** 2 / n**3 * nu / d**2, beta * (1 - n) / n**3 / d
+
+
+def huang_2003(n: float, d: float, nu: float) -> Pair:
+    """K_p = 1.643e-7 (d/10 mm)^1.57 n^3/(1-n)^2 [m2],  C_f = 100 [d sqrt(n/K_p)]^-1.5, see from_permeability."""
+    if n == 1:
+        return 0.0, 0.0
+    permeability = 1.643e-7 * (d / 0.010) ** 1.57 * n**3 / (1 - n) ** 2
+    forchheimer = 100 * (d * sqrt(n / permeability)) ** -1.5
+    return from_permeability(permeability, forchheimer, nu)
+
+
+def from_permeability(permeability: float, forchheimer: float, nu: float) -> Pair:
+    """a = nu/K_p, b = C_f/sqrt(K_p): the pair of the literature on particles, K_p [m2], C_f [-]."""
+    return nu / permeability, forchheimer / sqrt(permeability)
+
+
+def inertia_coefficient(n: float, added_mass: float = 0.34) -> float:
+    """C_r = 1 + gamma (1-n)/n. gamma = 0.34: van Gent 1995 (READ in waves2Foam and MONGOOSE)."""
+    return 1 + added_mass * (1 - n) / n
+
+
+@dataclass(frozen=True)
+class Law:
+    """A formula with the coefficients its authors published and the range they measured in.
+
+    formula (n, d, nu, **coefficients) -> (a, b); coefficients: name -> published value, inf = steady flow (KC);
+    porosity, diameter [m], reynolds (u_d d/nu): range of the experiments behind it; status READ or RECALLED.
+    """
+
+    formula: Callable[..., Pair]
+    coefficients: dict[str, float]
+    source: str
+    status: str
+    porosity: Pair = (0.0, 1.0)
+    diameter: Pair = (0.0, inf)
+    reynolds: Pair = (0.0, inf)
+    note: str = ""
+
+    @property
+    def words(self) -> str:
+        """The formula as one line: the head of the function's docstring."""
+        return (self.formula.__doc__ or "").strip().split("\n\n")[0]
+
+    @property
+    def knows_period(self) -> bool:
+        """Whether it resists more in flow that goes to and fro."""
+        return "period" in self.coefficients
+
+    def taken(self, **given: float) -> dict[str, float]:
+        """The coefficients: published, but for those given; a period that is given stands in the place of kc."""
+        known = {**self.coefficients, **given}
+        return {**known, "kc": inf} if known.get("period", inf) < inf and "kc" not in given else known
+
+    def __call__(self, n: float, d: float, nu: float, **given: float) -> Pair:
+        return self.formula(n, d, nu, **self.taken(**given))
+
+
+LAWS: dict[str, Law] = {
+    "van-gent-1995": Law(
+        van_gent_1995,
+        {"alpha": 1000.0, "beta": 1.1, "kc": inf, "period": inf},
+        "van Gent (1995), Wave interaction with permeable coastal structures, PhD thesis, TU Delft",
+        "formula READ in waves2Foam vanGent1995.C; alpha, beta and the range RECALLED",
+        porosity=(0.36, 0.50),
+        diameter=(0.01, 0.07),
+    ),
+    "jensen-2014": Law(
+        van_gent_1995,
+        {"alpha": 500.0, "beta": 2.0, "kc": 128.0, "period": inf},
+        "Jensen, Jacobsen & Christensen (2014), Coastal Engineering 84; calibrated on Liu et al. (1999)",
+        "READ in waves2Foam and the OpenFOAM tutorials; range: the calibration",
+        porosity=(0.39, 0.53),
+        diameter=(0.003, 0.0159),
+        note="kc = 128 is that of the dam break of the calibration: under waves the period stands in its place.",
+    ),
+    "liu-1999": Law(
+        liu_1999,
+        {"alpha": 200.0, "beta": 1.1, "kc": inf, "period": inf},
+        "Liu, Lin, Chang & Sakakiyama (1999), J. Waterway, Port, Coastal and Ocean Eng. 125(6)",
+        "READ in the MONGOOSE code of the COBRAS lineage; range: the experiment",
+        porosity=(0.39, 0.49),
+        diameter=(0.003, 0.0159),
+        note="The authors' codes take KC locally, max(|u_d|, 0.01 m/s) max(1 s, T)/(n d50), with T = 1 s in a dam "
+        "break: give period = 1 for that. Or one number for all: kc (0.1 m/s in the crushed rock is kc = 12.8).",
+    ),
+    "engelund-1953": Law(
+        engelund_1953,
+        {"alpha": 1000.0, "beta": 2.8},
+        "Engelund (1953), On the laminar and turbulent flows of ground water, Trans. Danish Acad. Techn. Sci. 3(4)",
+        "formula READ in waves2Foam engelund1953.C; alpha (780-1500), beta (1.8-3.6) and the range RECALLED",
+        porosity=(0.30, 0.50),
+    ),
+    "ergun-1952": Law(
+        ergun_1952,
+        {"alpha": 150.0, "beta": 1.75},
+        "Ergun (1952), Fluid flow through packed columns, Chem. Eng. Progress 48",
+        "RECALLED (textbook form and range; packed spheres and granules)",
+        porosity=(0.35, 0.55),
+        reynolds=(0.0, 2500.0),
+    ),
+    "olaflow": Law(
+        olaflow,
+        {"alpha": 50.0, "beta": 2.0, "kc": inf, "period": inf},
+        "Higuera, Lara & Losada (2014), Coastal Engineering 83; olaFlow",
+        "READ in olaFlow UEqn.H (note its cube of 1-n: coefficients of van Gent's form do not fit here)",
+        note="olaFlow itself takes C_r = 1 + 0.34, without (1-n)/n: added_mass = 0.34 n/(1-n) gives the same.",
+    ),
+    "huang-2003": Law(
+        huang_2003,
+        {},
+        "Huang, Chang & Hwang (2003), Coastal Engineering 49; used by Shao (2010), Coastal Engineering 57",
+        "RECALLED and doubtful: three times Ergun's drag in the rock of Liu et al. (1999), and b grows with the "
+        "porosity. Read the paper before using it.",
+        porosity=(0.3, 0.5),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Passport:
+    """What a body's resistance is, in every convention in use; `warnings` says where the law is stretched."""
+
+    name: str
+    words: str
+    source: str
+    status: str
+    porosity: float
+    grain_diameter: float | None  # [m]
+    period: float | None  # of the flow that goes to and fro [s]: inf in steady flow, None if kc or a and b are given
+    a: float  # [1/s]
+    oscillating: float  # part of a that is 7.5/KC [1/s]
+    b: float  # [1/m]
+    permeability: float  # K_p = nu/a [m2]
+    forchheimer: float  # C_f = b sqrt(K_p) [-]
+    inertia: float  # C_r [-]
+    added_mass_on: str  # "motion", or "rate": before du/dt alone
+    velocity: float  # expected Darcy velocity [m/s]
+    gradient: float  # drag at the expected velocity / g
+    linear_share: float  # a / (a + b u) at the expected velocity
+    reference_gradient: float  # drag at REFERENCE_VELOCITY / g
+    reynolds: float | None  # u_d d50 / nu
+    warnings: tuple[str, ...]
+
+
+def coefficients(
+    resistance: Resistance,
+    porosity: float,
+    grain_diameter: float | None,
+    viscosity: float,
+    period: float = inf,
+) -> Pair:
+    """Canonical a [1/s], b [1/m] of a body as its case file gives it. A law needs the grain diameter [m].
+
+    period  of the waves [s], for the laws that know it, unless the file gives kc or a period itself; inf: steady flow
+    """
+    r = resistance
+    if r.law is not None:
+        if grain_diameter is None:
+            raise ValueError(f"the law {r.law} needs a grain diameter")
+        return LAWS[r.law](porosity, grain_diameter, viscosity, **_given(r, period))
+    if r.permeability is not None and r.forchheimer is not None:
+        return from_permeability(r.permeability, r.forchheimer, viscosity)
+    if r.a is None or r.b is None:
+        raise ValueError("resistance needs a law, or a and b, or permeability and forchheimer")
+    return r.a, r.b
+
+
+def _given(r: Resistance, period: float) -> dict[str, float]:
+    """Coefficients of the law that the file states itself, and the period of the waves if it says nothing of it."""
+    stated = r.given
+    if r.law is None or not LAWS[r.law].knows_period or {"kc", "period"} & set(stated) or period == inf:
+        return stated
+    return {**stated, "period": period}
+
+
+def steady_velocity(a: float, b: float, gradient: float, gravity: float = 9.81) -> float:
+    """Darcy velocity [m/s] at which a u + b u^2 = g i: steady flow under the hydraulic gradient i. inf without drag."""
+    drive = gravity * gradient
+    if a == 0 and b == 0:
+        return inf
+    return 2 * drive / (a + sqrt(a * a + 4 * b * drive))  # the stable root, also for b = 0
+
+
+def passport(
+    body: Porous, fluid: Fluid, velocity: float | None = None, gradient: float = 1.0, period: float = inf
+) -> Passport:
+    """Everything `houle check` prints about a body.
+
+    velocity  expected Darcy velocity [m/s]; without it the steady one under the hydraulic gradient [-] given.
+    period    of the waves [s], see `coefficients`
+    """
+    n, d, r = body.porosity, body.grain_diameter, body.resistance
+    a, b = coefficients(r, n, d, fluid.viscosity, period)
+    u = steady_velocity(a, b, gradient, fluid.gravity) if velocity is None else velocity
+    drag = lambda v: (a + b * v) * v / fluid.gravity if fluid.gravity else inf  # noqa: E731
+    permeability = fluid.viscosity / a if a else inf
+    law = LAWS.get(r.law or "")
+    taken = law.taken(**_given(r, period)) if law else {}
+    values = ", ".join(f"{k} = {v:.4g} s" if k == "period" else f"{k} = {v:g}" for k, v in taken.items() if v < inf)
+    known = taken["period"] if "period" in taken and taken["kc"] == inf else None
+    steady = law(n, d or 1.0, fluid.viscosity, **{**taken, "period": inf})[0] if law and known is not None else a
+    named = f"{r.law}: {values}" if values else str(r.law)
+    reynolds = u * d / fluid.viscosity if d is not None and fluid.viscosity and u < inf else None
+    return Passport(
+        name=body.name,
+        words=named if law else ("permeability, forchheimer" if r.permeability is not None else "a, b"),
+        source=law.source if law else "given in the case file",
+        status=law.status if law else "",
+        porosity=n,
+        grain_diameter=d,
+        period=known,
+        a=a,
+        oscillating=a - steady,
+        b=b,
+        permeability=permeability,
+        forchheimer=b * sqrt(permeability) if b else 0.0,
+        inertia=inertia_coefficient(n, body.added_mass),
+        added_mass_on=body.added_mass_on,
+        velocity=u,
+        gradient=drag(u) if u < inf else 0.0,
+        linear_share=a / (a + b * u) if u < inf else 0.0,
+        reference_gradient=drag(REFERENCE_VELOCITY),
+        reynolds=reynolds,
+        warnings=tuple(_stretched(law, n, d, reynolds)) if law else (),
+    )
+
+
+def _stretched(law: Law, n: float, d: float | None, reynolds: float | None) -> list[str]:
+    """Where a body lies outside the range its law was measured in, both numbers quoted."""
+    looked_at = (("porosity", n, law.porosity, ""), ("grain_diameter", d, law.diameter, " m"))
+    found = [
+        f"{word} = {value:g}{unit} is outside {low:g} to {high:g}{unit}, the range behind the law"
+        for word, value, (low, high), unit in looked_at
+        if value is not None and not low * 0.999 <= value <= high * 1.001
+    ]
+    if reynolds is not None and not law.reynolds[0] <= reynolds <= law.reynolds[1]:
+        low, high = law.reynolds
+        found.append(
+            f"Reynolds number u_d d50/nu = {reynolds:.0f} is outside {low:g} to {high:g}, the range behind the law"
+        )
+    return found

@@ -1,0 +1,273 @@
+"""Shapes of water, porous bodies and solids, and what they cover: points, distances, exact sections.
+
+Every shape is a section in the (x, z) plane; in 3D it is that section over a span of y (a box has its own span, a
+polygon and a level reach over all y). So the union, difference and overlap of shapes are exact: layer by layer in y
+(the section does not change inside a layer), with polygon algebra in the section (shapely). `integrals.py` integrates
+over the result. A shape is closed: its boundary belongs to it.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import shapely
+from numpy.typing import ArrayLike, NDArray
+
+from houle.errors import CaseError
+from houle.grid import FloatArray, Grid
+
+Span = tuple[float, float]  # of y; everything in 2D
+Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max
+SLIVER = 1e-12  # of the box around a ring: a face that is smaller comes from rounding
+EVERYWHERE: Span = (-np.inf, np.inf)
+
+
+class Shape(Protocol):
+    """A closed region of space."""
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lower and upper corner (d,) of the smallest box around it [m]; infinite where it does not end."""
+
+    @property
+    def span(self) -> Span:
+        """The y between which it lies [m]."""
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each of the points (..., d) [m] lies in it."""
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        """Signed distance (...) [m] of points (..., d) from its boundary, positive outside."""
+
+    def section(self, window: Window) -> shapely.Geometry:
+        """Its (x, z) section, cut to a window."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """Everything between two corners (d,) [m], which may be infinite."""
+
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        return np.array(self.lower), np.array(self.upper)
+
+    @property
+    def span(self) -> Span:
+        return (self.lower[1], self.upper[1]) if len(self.lower) == 3 else EVERYWHERE
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        x = np.asarray(points, float)
+        return np.all((x >= self.lower) & (x <= self.upper), axis=-1)
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        x = np.asarray(points, float)
+        beyond = np.maximum(np.subtract(self.lower, x), np.subtract(x, self.upper))  # of each pair of sides
+        return np.linalg.norm(np.maximum(beyond, 0), axis=-1) + np.minimum(beyond.max(axis=-1), 0)
+
+    def section(self, window: Window) -> shapely.Geometry:
+        x0, z0 = max(self.lower[0], window[0]), max(self.lower[-1], window[1])
+        x1, z1 = min(self.upper[0], window[2]), min(self.upper[-1], window[3])
+        return shapely.box(x0, z0, x1, z1) if x0 < x1 and z0 < z1 else shapely.Polygon()
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """A polygon in the (x, z) plane, over all y in 3D."""
+
+    outline: shapely.Geometry  # a polygon, or several
+    dimension: int
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        x0, z0, x1, z1 = self.outline.bounds
+        if self.dimension == 2:
+            return np.array([x0, z0]), np.array([x1, z1])
+        return np.array([x0, -np.inf, z0]), np.array([x1, np.inf, z1])
+
+    @property
+    def span(self) -> Span:
+        return EVERYWHERE
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        x = np.asarray(points, float)
+        return covers(self.outline, x[..., 0], x[..., -1])
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        x = np.asarray(points, float)
+        return signed_distance(self.outline, x[..., 0], x[..., -1])
+
+    def section(self, window: Window) -> shapely.Geometry:
+        return shapely.multipolygons(polygons(shapely.intersection(self.outline, shapely.box(*window))))
+
+
+@dataclass(frozen=True)
+class Union:
+    """Everything in any of the parts."""
+
+    parts: tuple[Shape, ...]
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        lower, upper = zip(*(p.bounds for p in self.parts), strict=True)
+        return np.min(lower, axis=0), np.max(upper, axis=0)
+
+    @property
+    def span(self) -> Span:
+        return min(p.span[0] for p in self.parts), max(p.span[1] for p in self.parts)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        return np.any([p.contains(points) for p in self.parts], axis=0)
+
+    def distance(self, points: ArrayLike) -> FloatArray:
+        """Exact outside; inside, where parts touch or overlap, it may be nearer to zero than the truth."""
+        return np.min([p.distance(points) for p in self.parts], axis=0)
+
+    def section(self, window: Window) -> shapely.Geometry:
+        return shapely.union_all([p.section(window) for p in self.parts])
+
+
+def shape_of(entry: Any, dimension: int) -> Shape:
+    """The shape of a case entry: exactly one of box = [[lower], [upper]], polygon = [[x, z], ...], below = level."""
+    if (corners := getattr(entry, "box", None)) is not None:
+        lower, upper = (tuple(map(float, corner)) for corner in corners)
+        if not (len(lower) == len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))):
+            raise CaseError(
+                f"box = [{list(lower)}, {list(upper)}] is not a box in {dimension}D: "
+                f"give two corners of {dimension} numbers, the first one the lower on every axis."
+            )
+        return Box(lower, upper)
+    if (corners := getattr(entry, "polygon", None)) is not None:
+        try:
+            return Polygon(enclosed(corners), dimension)
+        except ValueError as error:
+            raise CaseError(f"polygon = {list(corners)} is not a simple polygon: it {error}") from None
+    if (level := getattr(entry, "below", None)) is not None:
+        return Box((-np.inf,) * dimension, (*[np.inf] * (dimension - 1), float(level)))
+    raise CaseError("a shape needs one of: box = [[lower], [upper]], polygon = [[x, z], ...], below = level.")
+
+
+def enclosed(corners: Sequence[tuple[float, float]]) -> shapely.Geometry:
+    """What a ring of corners encloses once, going one way round: a polygon, or several that lines of no width join.
+
+    Corners may repeat or lie on a line, and the ring may go back along itself, as a surveyed bed does that is closed
+    along the floor: what is enclosed is the same without. Raises ValueError where the ring crosses itself, with the
+    place, and where it encloses nothing.
+    """
+    ring = np.asarray(corners, float)
+    outline = shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon()
+    if outline.is_valid and outline.area > 0:
+        return outline
+    ring = ring[np.any(ring != np.roll(ring, 1, axis=0), axis=1)]
+    if len(ring) < 3:
+        raise ValueError("has no area: give corners that enclose some")
+    edges = shapely.unary_union(shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)))
+    faces = polygons(shapely.polygonize([*shapely.get_parts(edges)]))
+    width, height = np.ptp(ring, axis=0)
+    faces = faces[shapely.area(faces) > SLIVER * width * height]
+    turns = np.array([_turns(ring, shapely.point_on_surface(face)) for face in faces], int)
+    if not turns.any():
+        raise ValueError("has no area: give corners that enclose some")
+    way = np.sign(turns[np.argmax(shapely.area(faces) * (turns != 0))])
+    if (wrong := (turns != 0) & (turns != way)).any():
+        x, z = _crossing(ring, faces[wrong][0])
+        raise ValueError(f"crosses itself at [{x:g}, {z:g}]: list its corners in order, going round once")
+    return shapely.union_all(faces[turns != 0])
+
+
+def _turns(ring: FloatArray, place: shapely.Point) -> int:
+    """How often the ring goes round a place, anticlockwise."""
+    (x, z), (x1, z1) = ring.T, np.roll(ring, -1, axis=0).T
+    left = (x1 - x) * (place.y - z) - (z1 - z) * (place.x - x)
+    up, down = (z <= place.y) & (z1 > place.y) & (left > 0), (z > place.y) & (z1 <= place.y) & (left < 0)
+    return int(up.sum()) - int(down.sum())
+
+
+def _crossing(ring: FloatArray, face: shapely.Polygon) -> tuple[float, float]:
+    """A corner of the face that is none of the ring, where two of its edges cross; else any corner."""
+    found = shapely.get_coordinates(face)
+    far = shapely.distance(shapely.points(found), shapely.multipoints(ring))
+    x, z = found[np.argmax(far)]
+    return float(x), float(z)
+
+
+def pieces(shapes: Iterable[Shape]) -> list[Shape]:
+    """The shapes with every union taken apart."""
+    found: list[Shape] = []
+    for shape in shapes:
+        found += pieces(shape.parts) if isinstance(shape, Union) else [shape]
+    return found
+
+
+def layers(grid: Grid, shapes: Iterable[Shape]) -> list[Span]:
+    """The spans of y, from wall to wall, inside which the section of no shape changes. One in 2D."""
+    if grid.dimension == 2:
+        return [EVERYWHERE]
+    width = grid.size[1]
+    ends = {0.0, width} | {float(y) for shape in pieces(shapes) for y in shape.span if 0 < y < width}
+    return list(itertools.pairwise(sorted(ends)))
+
+
+def section(grid: Grid, shapes: Sequence[Shape], layer: Span = EVERYWHERE) -> shapely.Geometry:
+    """The part of the domain's (x, z) section that the shapes cover, together, in one of `layers`."""
+    here = [s for s in pieces(shapes) if s.span[0] <= layer[0] and layer[1] <= s.span[1]]
+    return shapely.union_all([s.section(_window(grid)) for s in here]) if here else shapely.Polygon()
+
+
+def repeated(grid: Grid, area: shapely.Geometry, mirrored: bool = False) -> shapely.Geometry:
+    """The area of a section with its copies on both sides of the domain along periodic axes, and if mirrored with its
+    images behind the walls.
+    """
+    for a, axis in ((0, 0), (1, -1)) if not area.is_empty else ():
+        size, unit = grid.size[axis], np.eye(2)[a]
+        copies = []
+        if grid.periodic[axis]:
+            copies = [_moved(area, np.ones(2), shift * unit) for shift in (-size, size)]
+        elif mirrored:
+            copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
+        area = shapely.union_all([area, *copies]) if copies else area
+    return area
+
+
+def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
+    return shapely.transform(area, lambda points: factor * points + shift)
+
+
+def polygons(area: shapely.Geometry) -> NDArray[np.object_]:
+    """The polygons in a geometry, without the lines and points in which shapes may touch."""
+    parts = shapely.get_parts(shapely.get_parts(area))
+    return parts[(shapely.get_type_id(parts) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(parts)]
+
+
+def covers(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
+    """Whether the points of the section lie in the area or on its boundary."""
+    shapely.prepare(area)
+    return shapely.intersects_xy(area, x, z)
+
+
+def spans_inside(area: shapely.Geometry, x: float) -> list[tuple[float, float]]:
+    """From where to where [m] the upright line at x runs in the area, upwards."""
+    low, high = shapely.bounds(area)[[1, 3]]
+    if not low < high:
+        return []
+    line = shapely.linestrings([[x, low - 1.0], [x, high + 1.0]])
+    parts = [p for p in shapely.get_parts(shapely.intersection(area, line)) if shapely.length(p) > 0.0]
+    return sorted((float(z0), float(z1)) for z0, z1 in (shapely.bounds(p)[[1, 3]] for p in parts))
+
+
+def signed_distance(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> FloatArray:
+    """Distance [m] in the section from the boundary of the area, negative inside."""
+    outline = shapely.boundary(area)
+    shapely.prepare(outline)
+    far = shapely.distance(outline, shapely.points(x, z))
+    return np.where(covers(area, x, z), -far, far)
+
+
+def _window(grid: Grid) -> Window:
+    return (0.0, 0.0, grid.size[0], grid.size[-1])

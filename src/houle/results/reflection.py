@@ -1,0 +1,274 @@
+"""What the structure of a run reflects, transmits and swallows: [reflection] of the case, measured at its end.
+
+The gauges are taken apart by `houle.analysis.reflection`; beside it stands linear theory where there is one: a vertical
+porous block over the full depth on a flat bed, its drag made linear by equal work (Lorentz).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from houle import analysis
+from houle.medium.resistance import coefficients, inertia_coefficient
+from houle.medium.shapes import shape_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from houle.analysis import Reflection, Scatter
+    from houle.case.model import Case
+    from houle.case.tables.tank import Porous
+    from houle.running.runner import Run
+    from houle.waves.wave import Wave
+
+PICTURE = "reflection.png"
+NEAR = 1e-6  # m, of two places that are the same
+
+
+@dataclass(frozen=True)
+class Flume:
+    """Where things stand along the flume [m], the waves coming from `maker` towards `front`.
+
+    back   where the wave that entered the structure turns at the latest: the back of the structure, or a wall
+    wall   the side of the tank behind the structure      absorbed  a sponge takes the transmitted wave there
+    """
+
+    maker: float
+    front: float
+    back: float
+    wall: float
+    absorbed: bool
+    quiet: bool  # nothing at the maker sends the reflected wave back
+
+    @property
+    def towards(self) -> float:
+        return 1.0 if self.front > self.maker else -1.0
+
+    @classmethod
+    def of(cls, case: Case) -> Flume:
+        assert case.reflection is not None and case.waves is not None
+        waves, structure, end = case.waves, case.reflection.structure, case.domain.size[0]
+        ends = waves.zone.x if waves.zone is not None else (waves.place,)
+        maker = min(ends, key=lambda x: abs(structure[0] - x))
+        towards = 1.0 if structure[0] > maker else -1.0
+        wall = end if towards > 0 else 0.0
+        spans = [(s.box[0][0], s.box[1][0]) for s in case.sponge]
+        spans += [(a.x, a.x) for a in case.absorber]
+        behind = any(towards * (max(span, key=lambda x: towards * x) - structure[-1]) > 0 for span in spans)
+        before = any(towards * (maker - min(span, key=lambda x: towards * x)) > 0 for span in spans)
+        before = before or (waves.piston is not None and waves.piston.absorb)
+        open_back = len(structure) == 2 and (behind or bool(case.reflection.behind))
+        back = structure[1] if open_back else wall
+        return cls(maker, structure[0], back, wall, behind, waves.zone is not None or before)
+
+
+def measure(run: Run) -> Reflection:
+    """C_R, C_T, C_D of the run with their intervals and window. Raises analysis.AnalysisError."""
+    case = run.case
+    asked, waves = case.reflection, case.waves
+    assert asked is not None and waves is not None
+    wave = wave_of(case)
+    given = {"window": asked.window, "towards": Flume.of(case).towards}
+    place = limits(case, wave) if asked.window is None else given
+    regular = waves.kind == "regular"
+    levels = run.series.eta.sel(gauge=asked.gauges[0])
+    return analysis.reflection(
+        run,
+        depth=waves.depth,
+        period=wave.period,
+        kind="regular" if regular else "irregular",
+        method=asked.method,
+        gauges=asked.gauges,
+        behind=asked.behind,
+        wave_number=wave.k if regular and asked.method != "jh2020" else None,
+        bed=float(levels[0]) - waves.depth,
+        gravity=case.fluid.gravity,
+        **place,
+    )
+
+
+def limits(case: Case, wave: Wave) -> dict[str, Any]:
+    """What bounds the window in which the gauges hold the incident wave and its reflection: for choose_window."""
+    asked, waves, flume = case.reflection, case.waves, Flume.of(case)
+    assert asked is not None and waves is not None
+    reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
+    reflector = flume.maker if reflector is not None and waves.piston is not None else reflector
+    return {
+        "maker": flume.maker, "structure": flume.front, "rear": flume.back, "absorbing": flume.quiet,
+        "reflector": reflector, "far_end": flume.wall if asked.behind and not flume.absorbed else None,
+        "ramp": waves.ramp_time() / wave.period,
+    }  # fmt: skip
+
+
+def theory(case: Case, height: float) -> Scatter | None:
+    """Linear theory for incident waves of this height [m], None where there is none: see `no_theory`."""
+    asked = case.reflection
+    if asked is None or not asked.theory or no_theory(case) is not None:
+        return None
+    flume, body = Flume.of(case), case.porous[0]
+    low, high = shape_of(body, case.dimension).bounds
+    wall = abs((high if flume.towards > 0 else low)[0] - flume.wall) < NEAR
+    return block_theory(case, body, wave_of(case).omega, height, wall)
+
+
+def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bool) -> Scatter:
+    """Linear theory of the block, or of one with other grains, for waves of this frequency [rad/s] and height [m]."""
+    assert case.waves is not None
+    low, high = shape_of(body, case.dimension).bounds
+    a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity, case.drag_period)
+    n, depth, width = body.porosity, case.waves.depth, float(high[0] - low[0])
+    inertia = inertia_coefficient(n, body.added_mass)
+    more: dict[str, Any] = {"inertia": inertia, "wall": wall, "gravity": case.fluid.gravity}
+    if b == 0.0:
+        return analysis.porous_block(omega, depth, width, n, n * a / omega, **more)
+    return analysis.porous_block_lorentz(omega, depth, width, n, height, a, b, **more)
+
+
+def as_made(case: Case, found: Reflection) -> float:
+    """H_m0 [m] that theory alone leaves at the gauges in the window, taken apart in the same way; NaN for other waves.
+
+    A random sea is as high as asked for in the long run; within some tens of waves it is not, and the band of the
+    analysis leaves out the shortest of them. 2D, irregular waves only.
+    """
+    waves = case.waves
+    if waves is None or found.kind != "irregular" or case.dimension == 3:
+        return float("nan")
+    wave, record = wave_of(case), found.record
+    x, time = found.towards * record.x, record.time
+    eta = [wave.elevation(place, time) for place in x]
+    window = (found.window.start, found.window.end)
+    sea = analysis.reflection(
+        (time, x, eta), depth=found.depth, period=found.period, kind="irregular", method=found.method, window=window,
+        towards=found.towards, gravity=case.fluid.gravity,
+    )  # fmt: skip
+    return sea.H_I
+
+
+def no_theory(case: Case) -> str | None:
+    """Why linear theory has nothing to say of the structure, in words; None if it has.
+
+    It knows one porous rectangle from the bottom through the surface at the place named in [reflection], nothing else
+    in the way, and either a wall right behind it or something that takes up what it transmits, under regular waves.
+    """
+    assert case.reflection is not None and case.waves is not None
+    if case.waves.kind != "regular":
+        return f'waves.kind = "{case.waves.kind}", it is for regular waves'
+    if len(case.porous) != 1:
+        return f"{len(case.porous)} porous bodies, it is for one"
+    if case.solid:
+        return f"solid.{case.solid[0].name} stands in the flume, it is for a porous block alone"
+    body, flume, depth = case.porous[0], Flume.of(case), case.waves.depth
+    shape = shape_of(body, case.dimension)
+    (x0, z0), (x1, z1) = ((float(corner[0]), float(corner[-1])) for corner in shape.bounds)
+    area = shape.section((x0, z0, x1, z1)).area if body.below is None else math.nan
+    if not abs(area - (x1 - x0) * (z1 - z0)) <= 1e-9 * (x1 - x0) * (z1 - z0):
+        return f"porous.{body.name} is no upright rectangle"
+    level = max((w.below or 0.0 for w in case.water), default=0.0)
+    if abs(level - depth) >= NEAR:
+        return f"the water is not below = {depth:g} m everywhere"
+    if z0 > NEAR or z1 <= level:
+        return (
+            f"porous.{body.name} goes from z = {z0:g} to {z1:g} m, not from the bed through the surface at {level:g} m"
+        )
+    front, back = (x0, x1) if flume.towards > 0 else (x1, x0)
+    if abs(front - flume.front) >= NEAR:
+        return f"its face is at x = {front:g} m, reflection.structure begins at {flume.front:g} m"
+    if not flume.absorbed and abs(back - flume.wall) >= NEAR:
+        return f"from its back, x = {back:g} m, to the wall at {flume.wall:g} m nothing takes up what comes through"
+    return None
+
+
+def wave_of(case: Case) -> Wave:
+    """The wave of a case that has one."""
+    wave = case.wave
+    assert wave is not None
+    return wave
+
+
+def first_harmonic(wave: Wave) -> float:
+    """Crest to trough of the first harmonic of a regular wave of theory [m]: what separation and card measure."""
+    parts = wave.components()
+    return wave.height if parts is None else 2.0 * float(parts.amplitude[0])
+
+
+def record(run: Run) -> dict[str, Any]:
+    """Measures, draws reflection.png, and returns the entry of run.json, or why there is none. {} if not asked for."""
+    if run.case.reflection is None:
+        return {}
+    try:
+        found = measure(run)
+    except analysis.AnalysisError as error:
+        return {"reflection": {"problem": str(error)}}
+    draw(found, run.directory / PICTURE)
+    names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
+    more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
+    entry = {name: getattr(found, name) for name in (*names, *more)}
+    window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
+    entry["window"] = {**window, "reason": found.window.reason}
+    entry |= asked_for(run.case)
+    if found.kind == "irregular":
+        entry["H_made"] = as_made(run.case, found)
+    if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
+        entry["theory"] = {n: getattr(known, n) for n in ("C_R", "C_T", "C_D", "friction")}
+    elif run.case.reflection.theory and found.method != "jh2020":
+        entry["no_theory"] = no_theory(run.case)
+    return {"reflection": entry}
+
+
+def asked_for(case: Case) -> dict[str, float]:
+    """Height of the waves asked for, H or H_s; of regular ones also that of their first harmonic, which H_I is [m]."""
+    wave = wave_of(case)
+    if case.waves is not None and case.waves.kind == "regular":
+        return {"H_asked": float(wave.height), "H_asked_1": first_harmonic(wave)}
+    return {"H_asked": float(wave.height)}
+
+
+def draw(found: Reflection, path: Path) -> None:
+    """The picture; it does not fail the run."""
+    found.plot(path)
+
+
+def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
+    """The entry of run.json in lines."""
+    if not entry:
+        return []
+    if "problem" in entry:
+        return [("none", entry["problem"])]
+    known, lines = entry.get("theory") or {}, []
+    for name in ("C_R", "C_T", "C_D"):
+        value, (low, high) = entry[name], entry[f"interval_{name[-1]}"]
+        if _number(value):
+            sure = f" ({low:.3f} to {high:.3f}, numerics not included)" if _number(low) else ""
+            beside = f"   linear theory {known[name]:.3f}" if _number(known.get(name)) else ""
+            lines.append((name, f"{value:.3f}{sure}{beside}"))
+    heights = [("incident", "H_I"), ("reflected", "H_R"), ("transmitted", "H_T")]
+    shown = ", ".join(f"{word} {1e3 * entry[key]:.4g} mm" for word, key in heights if _number(entry[key]))
+    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown + _of_what(entry)))
+    if _number(entry.get("H_made")):
+        lines.append(("of the sea as made", f"{1e3 * entry['H_made']:.4g} mm: theory at the gauges, in this window"))
+    w = entry["window"]
+    lines.append(("window", f"{w['start']:.4g} to {w['end']:.4g} s, {w['periods']} periods: {w['reason']}"))
+    lines.append((f"interval ({100 * entry['confidence']:g} %)", entry["covers"]))
+    if _number(entry["residual"]):
+        lines.append(("unexplained", f"{100 * entry['residual']:.2g} % of the amplitude at the gauges"))
+    if known:
+        lines.append(("linear theory", f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"))
+    if entry.get("no_theory"):
+        lines.append(("linear theory", f"none: {entry['no_theory']}"))
+    return [*lines, *(("note", note) for note in entry["notes"])]
+
+
+def _of_what(entry: dict[str, Any]) -> str:
+    """What the heights are, beside what was asked for."""
+    asked, first = (1e3 * (entry.get(key) or math.nan) for key in ("H_asked", "H_asked_1"))
+    if entry["method"] == "jh2020" or not _number(asked):
+        return ""
+    if not _number(first):
+        return f" (asked for {asked:.4g} mm)"
+    return f": first harmonics, crest to trough; the wave asked for, {asked:.4g} mm high, has one of {first:.4g} mm"
+
+
+def _number(value: Any) -> bool:
+    return value is not None and math.isfinite(value)

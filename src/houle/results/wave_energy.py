@@ -1,0 +1,73 @@
+"""Where the energy of the waves went: work of the maker = sponges + drag + viscosity + stored + lost in numbers.
+
+Of a run with [waves], from its series, as mean powers over its last periods. Potential energy is that of the levels of
+the columns (`potential_energy` of such runs). What is lost in numbers is what is left over. It is set beside the energy
+that the waves hold: lost per wavelength is the part of it lost while the energy goes a wavelength, in L / c_g.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from houle.case.tables.waves import Waves
+from houle.results.reflection import wave_of
+
+if TYPE_CHECKING:
+    from houle.case.model import Case
+    from houle.running.runner import Run
+    from houle.waves.wave import Wave
+
+PERIODS = 5  # at the end of the run
+FEWEST = 2
+SETTLE = 2.0  # periods after the ramp before the budget begins
+GIVEN = ("source_work", "open_work", "energy_exchange")
+TAKEN = ("sponge_work", "drag_work", "viscous_work")
+
+
+def record(run: Run) -> dict[str, Any]:
+    """The entry of run.json; {} without periodic waves, or when the run is too short for them."""
+    window = None if run.case.waves is None else _window(run.case, float(run.series.time[-1]))
+    if window is None:
+        return {}
+    wave, (start, end) = wave_of(run.case), window
+    row = run.series.interp(time=[start, end])
+    mean = {name: float(np.diff(row[name])[0]) / (end - start) for name in (*GIVEN, *TAKEN) if name in row}
+    energy = run.series.kinetic_energy + run.series.potential_energy
+    stored = float(np.diff(energy.interp(time=[start, end]))[0]) / (end - start)
+    lost = sum(mean.get(name, 0.0) for name in GIVEN) - sum(mean.get(name, 0.0) for name in TAKEN) - stored
+    held = float(energy.sel(time=slice(start, end)).mean() - energy[0])
+    entry = {"unit": "W/m" if run.case.dimension == 2 else "W", "start": start, "end": end, **mean, "stored": stored}
+    entry |= {"periods": round((end - start) / wave.period), "lost": lost, "held": held}
+    return {"wave_energy": {**entry, "lost_per_wavelength": _per_wavelength(lost, held, wave)}}
+
+
+def _window(case: Case, end: float) -> tuple[float, float] | None:
+    """The last whole periods [s] after the ramp."""
+    waves: Waves | None = case.waves
+    if waves is None or waves.kind in ("solitary", "focused", "series"):
+        return None
+    period = wave_of(case).period
+    periods = min(PERIODS, int((end - waves.ramp_time() - SETTLE * period) / period + 1e-9))
+    return (end - periods * period, end) if periods >= FEWEST else None
+
+
+def _per_wavelength(lost: float, held: float, wave: Wave) -> float:
+    return lost * wave.length / wave.group_velocity / held if held > 0 else float("nan")
+
+
+def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
+    """The entry in lines."""
+    if not entry:
+        return []
+    unit = entry["unit"]
+    words = {
+        "source_work": "work of the maker", "open_work": "work at open sides",
+        "energy_exchange": "carried through open sides", "sponge_work": "taken by sponges and zone",
+        "drag_work": "taken by the porous drag", "viscous_work": "taken by viscosity", "stored": "stored",
+    }  # fmt: skip
+    least = 1e-9 * max(abs(entry[n]) for n in words if n in entry)
+    lines = [(word, f"{entry[n]:+.4g} {unit}") for n, word in words.items() if abs(entry.get(n, 0.0)) > least]
+    share = f"{100 * entry['lost_per_wavelength']:.2f} %"
+    return [*lines, ("lost in numbers", f"{entry['lost']:+.4g} {unit}"), ("  of the energy, per wavelength", share)]

@@ -1,0 +1,174 @@
+"""Wave quality card: how good the waves of a case are before anything stands in their way.
+
+The twin of a case is its flume without the structure: a sponge stands there instead, and gauges of its own along the
+way. It is computed once for all cases with the same flume and waves; the card is kept in the user's cache folder.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from houle import analysis
+from houle.case.model import Case, load
+from houle.errors import HouleError
+from houle.observe import levels_at
+from houle.output.atomic import write_text
+from houle.results.reflection import Flume, first_harmonic, wave_of
+from houle.running.progress import Silent
+
+if TYPE_CHECKING:
+    from houle.waves.wave import Wave
+
+GAUGES = 16
+SPONGE = 1.5  # wavelengths
+STRETCH = 1.2  # wavelengths of gauges, at least
+SETTLE, PERIODS = 1.0, 5  # periods to wait after the sponge has answered, and periods that are measured
+SAMPLES = 50  # a period
+
+
+def card(case: Case, says: Silent) -> dict[str, Any]:
+    """The card in plain numbers, with the file that keeps it; {} if not asked for, {"problem": ...} if there is none.
+
+    It is an extra: whatever goes wrong, the run it belongs to is not touched by it.
+    """
+    asked = case.reflection
+    if asked is None or not asked.twin:
+        return {}
+    try:
+        empty = twin_of(case)
+        kept = folder() / f"{empty.hash}-{_version()}.json"
+        if kept.is_file():
+            return {**json.loads(kept.read_text(encoding="utf-8")), "kept": str(kept)}
+        says.say(
+            f"houle: wave quality: the same flume without the structure, {empty.domain.size[0]:g} m, to t = "
+            f"{empty.time.end:g} s (once; the card is kept in {kept.parent})"
+        )
+        found = asdict(measure(empty, says))
+        write_text(kept, json.dumps(found, indent=2) + "\n")
+        return {**found, "kept": str(kept)}
+    except (HouleError, analysis.AnalysisError, OSError) as error:
+        return {"problem": str(error)}
+    except KeyboardInterrupt:
+        return {"problem": "interrupted; the run itself is complete"}
+
+
+def folder() -> Path:
+    """Where cards are kept: houle/twins in the user's cache folder (XDG_CACHE_HOME, or .cache in the home folder)."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "houle" / "twins"
+
+
+def twin_of(case: Case) -> Case:
+    """The flume without porous bodies, without solids at or behind the structure's face, and with a sponge there.
+
+    Solids that begin before the face are the bed. Raises CaseError, or AnalysisError where there is no twin.
+    """
+    assert case.waves is not None and case.reflection is not None
+    if case.waves.kind != "regular":
+        raise analysis.AnalysisError("the card of wave quality is for regular waves")
+    flume, wave = Flume.of(case), wave_of(case)
+    if flume.towards < 0 or case.dimension == 3:
+        raise analysis.AnalysisError("the empty flume is computed for 2D cases with waves towards +x")
+    first = min(gauge.x for gauge in case.gauge if gauge.name in case.reflection.gauges)
+    sponge = max(flume.front, first + STRETCH * wave.length)
+    end = sponge + SPONGE * wave.length
+    data = case.to_dict()
+    bed = [s.model_dump(mode="json", exclude_none=True) for s in case.solid if _begins(s) < flume.front - 1e-9]
+    kept = [s.model_dump(mode="json", exclude_none=True) for s in case.sponge if s.box[1][0] <= flume.maker]
+    spacing, top = case.domain.grid.spacing[0], case.domain.size[-1]
+    length = spacing * np.ceil(end / spacing - 1e-9)
+    data |= {
+        "case": {"name": "twin", "title": "the flume without structure"},
+        "domain": {**data["domain"], "size": [round(float(length), 9), top]},
+        "absorber": [a.model_dump(mode="json", exclude_none=True) for a in case.absorber if a.side == "left"],
+        "porous": [], "gate": [], "sensor": [], "solid": bed,
+        "sponge": [*kept, {"name": "behind", "box": [[round(sponge, 9), 0.0], [round(float(length), 9), top]]}],
+        "gauge": [{"x": round(float(x), 9)} for x in np.linspace(first, sponge, GAUGES)],
+        "time": {**data["time"], "end": round(_start(wave, flume, first, sponge) + (PERIODS + 0.1) * wave.period, 6)},
+    }  # fmt: skip
+    for key in ("reflection", "reference", "output", *_OBSERVED):
+        data.pop(key, None)
+    twin = load(data)
+    twin._path = case.path
+    return twin
+
+
+_OBSERVED = ("runup", "overtopping", "force", "phreatic", "flux")
+
+
+def _begins(solid: Any) -> float:
+    from houle.medium.shapes import shape_of
+
+    return float(shape_of(solid, 2).bounds[0][0])
+
+
+def _start(wave: Wave, flume: Flume, first: float, sponge: float) -> float:
+    """When what the sponge sends back is steady at the first gauge [s]; it turns half-way into the sponge."""
+    turn = sponge + 0.5 * SPONGE * wave.length
+    return (2 * turn - first - flume.maker) / wave.group_velocity + (2.0 + SETTLE) * wave.period
+
+
+def measure(empty: Case, says: Silent) -> analysis.QualityCard:
+    """Computes the twin and reads its card."""
+    from houle.flow.simulation import Simulation
+
+    assert empty.waves is not None and empty.waves.height is not None
+    simulation, wave = Simulation(empty), wave_of(empty)
+    places: list[tuple[float, ...]] = [(gauge.x,) for gauge in empty.gauge]
+    rows, end = [(0.0, levels_at(simulation.flow, places))], empty.time.end
+    says.start(simulation, end)
+    try:
+        while simulation.time < end:
+            simulation.advance(end)
+            rows.append((simulation.time, levels_at(simulation.flow, places)))
+            says.step(simulation)
+    finally:
+        says.stop()
+    then, levels = np.array([row[0] for row in rows]), np.array([row[1] for row in rows]).T
+    time = np.arange(0.0, end, wave.period / SAMPLES)
+    eta = np.array([np.interp(time, then, level) for level in levels])
+    return analysis.quality_card(
+        (time, np.array([place[0] for place in places]), eta),
+        depth=empty.waves.depth,
+        period=wave.period,
+        height=first_harmonic(wave),
+        window=(end - PERIODS * wave.period - wave.period / SAMPLES, end),
+        still_water=float(levels[:, 0].mean()),
+        reference=wave.k,
+        gravity=empty.fluid.gravity,
+    )
+
+
+def rows(found: dict[str, Any]) -> list[tuple[str, str]]:
+    """The card in lines."""
+    if not found:
+        return []
+    if "problem" in found:
+        return [("none", found["problem"])]
+    c = found
+    return [
+        (
+            "height",
+            f"first harmonic {1e3 * c['height']:.4g} mm, {100 * (c['height'] / c['target'] - 1):+.2f} % of the target",
+        ),
+        ("decay", f"{100 * c['decay']:.2f} % per wavelength"),
+        (
+            "celerity, phase",
+            f"{100 * c['celerity']:+.2f} % off theory, {np.degrees(c['phase']):+.2f} degrees a wave",
+        ),
+        ("spurious C_R", f"{c['reflection']:.4f} (of the sponge that stands in for the structure)"),
+        ("mean level", f"drift {1e3 * c['drift']:+.3f} mm, {1e3 * c['set_down']:+.3f} mm from still water"),
+        ("steadiness", f"{100 * c['steadiness']:.2f} % between {c['periods']} periods"),
+        ("kept in", c["kept"]),
+    ]
+
+
+def _version() -> str:
+    import houle
+
+    return houle.__version__

@@ -1,0 +1,1 @@
+"""A run from the first word to the last file: stretches, checkpoints, progress, failure."""

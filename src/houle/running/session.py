@@ -1,0 +1,194 @@
+"""One stretch of a run, between a start of the program and its end: the loop, checkpoints, and every way to stop.
+
+The sequence of steps depends on the case alone. Steps are shortened only to land on frames (multiples of output.every,
+and the instants of the laboratory); checkpoints, `until`, signals and the wall clock decide when the loop stops, never
+how long a step is. A run that was stopped and resumed, or killed and resumed, therefore equals the uninterrupted one
+bit for bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from houle.check.cost import drag_of
+from houle.data import laboratory
+from houle.flow.ledger import WORKS
+from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
+from houle.running import signals
+from houle.running.failure import as_failure, write_bundle
+from houle.running.progress import Silent
+from houle.running.recorder import Recorder
+
+if TYPE_CHECKING:
+    from houle.case.model import Case
+
+CHECKPOINT_EVERY = 60.0  # s of wall time
+COMMIT_EVERY = 15.0  # s of wall time between two commits of what has been observed
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C or a polite kill, after the checkpoint was written; the message says how to go on. Exit status 130."""
+
+
+class Clock:
+    """Seconds of a run over all its stretches: wall, CPU, per operation of a step and per stage beside the steps."""
+
+    def __init__(self) -> None:
+        self.wall, self.cpu = -perf_counter(), -process_time()
+        self.operations: dict[str, float] = {}
+        self.stages: dict[str, float] = {}
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Counts what happens inside as part of the stage."""
+        begin = perf_counter()
+        try:
+            yield
+        finally:
+            self.stages[name] = self.stages.get(name, 0.0) + perf_counter() - begin
+
+    def add(self, earlier: Mapping[str, Any]) -> None:
+        """What earlier stretches took, as read() told it."""
+        self.wall, self.cpu = self.wall + earlier["wall_seconds"], self.cpu + earlier["cpu_seconds"]
+        self.operations, self.stages = earlier["operations"], _sum(self.stages, earlier["stages"])
+
+    def read(self, operations: Mapping[str, float]) -> dict[str, Any]:
+        """The totals, given the seconds per operation of this stretch."""
+        return {
+            "wall_seconds": self.wall + perf_counter(),
+            "cpu_seconds": self.cpu + process_time(),
+            "operations": _sum(self.operations, operations),
+            "stages": dict(self.stages),
+        }
+
+
+def _sum(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    return {name: one.get(name, 0.0) + other.get(name, 0.0) for name in {**one, **other}}
+
+
+class Session:
+    """begin() or restore(), then march()."""
+
+    def __init__(
+        self, directory: Path, case: Case, simulation: Any, threads: int | None, clock: Clock, says: Silent
+    ) -> None:
+        self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
+        self.outputs = Outputs(directory, case, simulation.grid)
+        intervals = (case.output.every, case.output.series_every)
+        self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case))
+        self.manifest = {**collect(case, threads), "porous": drag_of(case)}
+        self.newest = Path()  # checkpoint
+
+    def begin(self) -> Session:
+        """The first rows, frame and checkpoint: from here on the run can be resumed, whatever happens."""
+        with self.clock.stage("writing"):
+            self.recorder.start(self.simulation)
+        self.checkpoint()
+        return self
+
+    def restore(self, checkpoint: Checkpoint, manifest: Mapping[str, Any], hashes: Collection[str]) -> Session:
+        """Files and clock as they were at the checkpoint, from which the simulation has been restored.
+
+        manifest: what run.json says of the beginning; hashes: of the case, and as it was before it was prolonged.
+        What the files have lost is told and written down; the run goes on without it.
+        """
+        meta, recorder = checkpoint.meta, self.recorder
+        recorder.restore(checkpoint.state)
+        with self.clock.stage("writing"):
+            lost = self.outputs.truncate_after(
+                recorder.last.time, recorder.last_row, recorder.written, recorder.last.values, hashes
+            )
+        for text in lost:
+            self.says.say(f"warning: {text}")
+        self.clock.add(meta)
+        self.newest = checkpoint.path
+        resumed = [*manifest.get("resumed", []), {"step": checkpoint.step, "started": self.manifest["started"]}]
+        self.manifest |= {k: manifest[k] for k in ("case", "started", "prolonged", "lost") if k in manifest}
+        self.manifest["resumed"] = resumed
+        if lost:
+            self.manifest["lost"] = list(dict.fromkeys([*manifest.get("lost", []), *lost]))
+        return self
+
+    def march(self, until: float | None) -> bool:
+        """Steps to the end, or past `until` [s]; True at the end. However it ends, it can be resumed."""
+        target = min(self.case.time.end, until if until is not None else self.case.time.end)
+        self.says.start(self.simulation, target)
+        try:
+            with signals.noted() as reasons:
+                due = perf_counter() + CHECKPOINT_EVERY
+                while self.simulation.time < target and not reasons:
+                    self.step()
+                    if perf_counter() >= due:
+                        self.checkpoint()
+                        due = perf_counter() + CHECKPOINT_EVERY
+                self.checkpoint(last=True)
+        finally:
+            self.says.stop()
+        if reasons:
+            raise Interrupted(
+                f"{reasons[0]} at t = {self.simulation.time:.4g} s of {self.case.time.end:g} s; "
+                f"a checkpoint is written. Go on with: houle resume {self.directory}"
+            )
+        return self.simulation.time >= self.case.time.end
+
+    def step(self) -> None:
+        """One time step and what it leaves to write."""
+        try:
+            self.simulation.advance(self.recorder.stop)
+            with self.clock.stage("gauges, sensors, ledger"):
+                values = self.simulation.sample()
+        except Exception as error:  # whatever it is, the user gets the bundle
+            self.fail(error)
+        with self.clock.stage("writing"):
+            self.recorder.step(self.simulation, values)
+            self.outputs.commit_if_due(COMMIT_EVERY)
+        self.says.step(self.simulation)
+
+    def fail(self, error: Exception) -> NoReturn:
+        """Writes the bundle and raises SimulationError; its message says where the bundle is."""
+        failure = as_failure(error, self.simulation)
+        folder = write_bundle(self.directory, self.simulation, failure, self.newest, self.manifest)
+        self.outputs.close()
+        write_manifest(self.directory, self.summarise(finished=False, failure=str(failure)))
+        failure.args = (f"{failure}\nWhat is known about it is in {folder}; read diagnosis.txt first",)
+        raise failure from error
+
+    def checkpoint(self, last: bool = False) -> None:
+        """What was handed to the writers is in the files, then the state is; then run.json says how far the run is."""
+        with self.clock.stage("writing"):
+            self._checkpoint(last)
+
+    def _checkpoint(self, last: bool) -> None:
+        recorded = self.recorder.state()
+        if last and self.simulation.time >= self.case.time.end:
+            self.recorder.finish(self.simulation)
+        if last:
+            self.outputs.close()
+        else:
+            self.outputs.commit()
+        manifest = self.summarise(finished=False)
+        names = ("time", "wall_seconds", "cpu_seconds", "operations", "stages")
+        meta = {"case_hash": self.case.hash, **{n: manifest["summary"][n] for n in names}}
+        state = {**self.simulation.state(), **recorded}
+        self.newest = save_checkpoint(self.directory, self.simulation.steps, state, meta)
+        write_manifest(self.directory, manifest)
+
+    def summarise(self, finished: bool, **more: Any) -> dict[str, Any]:
+        """What run.json holds; `finished` once every file of the run is complete."""
+        simulation, last = self.simulation, self.recorder.last.values
+        budget = ("kinetic_energy", "potential_energy", *WORKS)
+        return summarise(
+            self.manifest,
+            finished=finished,
+            time=simulation.time,
+            steps=simulation.steps,
+            particles=len(simulation.particles),
+            volume_drift=simulation.volume_drift,
+            energy={k: float(v) for k, v in last.items() if k in budget or k.startswith("energy_")},
+            **self.clock.read(simulation.timings),
+            **more,
+        )
