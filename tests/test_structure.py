@@ -42,7 +42,18 @@ LAYERS = (
     | {"flow.workspace"}
     | {"case.tables", "waves", "boundary.open_side", "boundary.makers", "boundary.sponge", "boundary.finite_source"},
     {"flow.state", "boundary.protocol", "boundary.paddle", "boundary.absorbing", "flow.transfer", "flow.ledger"},
-    {"flow.operations", "flow.remeshing", "observe", "boundary.exchange", "flow.budget"},
+    {
+        "flow.surface",
+        "flow.forces",
+        "flow.projection",
+        "flow.motion",
+        "flow.correction",
+        "flow.start",
+        "flow.remeshing",
+        "observe",
+        "boundary.exchange",
+        "flow.budget",
+    },
     {"flow.step"},
     {
         "case.consistency",

@@ -28,10 +28,12 @@ resistance = {law = "van-gent-1995"}
 """
 # From 0.1 s on every projection, of the core, leaves the faces faster than it found them.
 SCRIPT = """
-from houle import _core, operations, runner
+from houle import _core
+from houle.flow import motion
+from houle.running import runner
 from houle.cli import main
 
-extrapolate, move = _core.extrapolate, operations.move
+extrapolate, move = _core.extrapolate, motion.move
 
 def faster(grid, layers, near, mass, least, velocity, known):
     extrapolate(grid, layers, near, mass, least, velocity, known)
@@ -43,7 +45,7 @@ def timed(flow, dt):
     move(flow, dt)
 
 faster.on = False
-_core.extrapolate, operations.move = faster, timed
+_core.extrapolate, motion.move = faster, timed
 import houle.flow.step
 houle.flow.step.move = timed
 runner.draw = lambda run, session: None

@@ -7,9 +7,9 @@ import pytest
 
 from clouds import start_of
 from houle import _core
-from houle.flow.operations import find_surface, sort
 from houle.flow.seeding import seed
 from houle.flow.state import Flow
+from houle.flow.surface import find_surface, sort
 from houle.flow.transfer import Pic
 from houle.grid import FloatArray, Grid
 from houle.medium.columns import Capacity

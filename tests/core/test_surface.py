@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 import reference
 from clouds import grids, numbered, randoms, scattered, start_of
 from houle import _core
-from houle.flow.operations import find_surface, portion, sort
+from houle.flow.correction import portion
 from houle.flow.particles import Particles
 from houle.flow.seeding import seed
 from houle.flow.state import Flow
+from houle.flow.surface import find_surface, sort
 from houle.flow.transfer import Pic
 from houle.grid import Grid
 from houle.medium.medium import Medium, PorousBody

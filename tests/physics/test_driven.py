@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from situations import simulation
 
-from houle.flow.operations import apply_forces, drive, project
+from houle.flow.forces import apply_forces, drive
+from houle.flow.projection import project
 
 
 @pytest.mark.parametrize("out", [0.1, 0.04])

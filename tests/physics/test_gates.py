@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from situations import ROCK, simulation
 
-from houle.flow.operations import prepare
+from houle.flow.start import prepare
 
 LEFT = [[0.0, 0.0], [0.48, 0.0], [0.48, 0.24], [0.0, 0.12]]
 RIGHT = [[0.48, 0.0], [0.96, 0.0], [0.96, 0.08], [0.48, 0.16]]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from situations import run, simulation
 
-from houle.flow.operations import arrange, move
+from houle.flow.motion import move
+from houle.flow.surface import arrange
 from houle.observe.points import velocity_at
 
 SLOSH: dict[str, Any] = {

@@ -9,7 +9,7 @@ import pytest
 from situations import DAM_BREAK, run, simulation
 
 from houle.flow.ledger import OPERATIONS
-from houle.flow.operations import arrange
+from houle.flow.surface import arrange
 
 CHOICES = list(itertools.product(("houle", "jh2020"), ("fmpm", "flip", "pic", "apic")))
 

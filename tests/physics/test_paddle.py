@@ -11,7 +11,7 @@ from situations import copy_state, differing, simulation
 from houle import _core
 from houle.boundary.paddle import Paddle
 from houle.errors import SimulationError
-from houle.flow.operations import prepare
+from houle.flow.start import prepare
 from houle.waves.dispersion import group_velocity, wave_number
 
 FLUME: dict[str, Any] = {

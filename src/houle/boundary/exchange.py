@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.boundary.open_side import THIN, OpenSide
-from houle.flow.operations import sort
 from houle.flow.particles import Particles
 from houle.flow.state import Flow
+from houle.flow.surface import sort
 from houle.flow.transfer import Transfer
 from houle.grid import FloatArray
 

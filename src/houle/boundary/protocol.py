@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 
 class Driven(Protocol):
-    """What `operations.project` asks of each entry of `flow.driven`, in this order."""
+    """What `projection.project` asks of each entry of `flow.driven`, in this order."""
 
     def feed(self, flow: Flow) -> None:
         """After the pressure system: adds the flux through its faces into the cells, flow.work.rhs [1/s]."""

@@ -24,15 +24,16 @@ from houle.case.tables.waves import Piston, Waves
 from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
-from houle.flow.operations import arrange, find_surface, prepare
 from houle.flow.particles import Particles
 from houle.flow.remeshers import STRATEGIES
 from houle.flow.remeshing import TRAVEL, Remeshing
 from houle.flow.rows import first_rows, more_rows, raised
 from houle.flow.seeding import seed
 from houle.flow.snapshot import Frame
+from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
+from houle.flow.surface import arrange, find_surface
 from houle.flow.transfer import make
 from houle.grid import FloatArray, axes
 from houle.medium.medium import Medium, PorousBody

@@ -10,26 +10,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from houle.boundary.exchange import exchange
+from houle.flow.correction import correct_positions
+from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, viscosity
 from houle.flow.ledger import Ledger
-from houle.flow.operations import (
-    apply_forces,
-    arrange,
-    arrive,
-    correct_positions,
-    drift,
-    drive,
-    find_surface,
-    make_waves,
-    move,
-    move_paddles,
-    project,
-    settle,
-    sort,
-    sph_viscosity,
-    viscosity,
-)
+from houle.flow.motion import arrive, drift, move, move_paddles, settle
+from houle.flow.projection import project
 from houle.flow.remeshing import Remeshing
 from houle.flow.state import Flow
+from houle.flow.surface import arrange, find_surface, sort
 from houle.flow.transfer import Transfer
 
 

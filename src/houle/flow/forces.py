@@ -1,0 +1,89 @@
+"""Forces on the faces: gravity, viscosity, wave makers, porous resistance and the Bernoulli term."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from houle import _core
+from houle.boundary.makers import Maker
+from houle.flow.ledger import Ledger
+from houle.flow.state import SPRAY, Flow
+
+
+def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
+    """Viscous acceleration of the faces, with the eddy viscosity if there is one."""
+    if not flow.viscous:
+        return
+    core = flow.grid.core
+    if flow.smagorinsky > 0.0:
+        _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
+    flow.extra = flow.old_velocity
+    _core.viscous_acceleration(
+        core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
+        flow.listed("porosity"), flow.no_slip, flow.extra,
+    )  # fmt: skip
+    ledger.viscous_work -= dt * _core.face_power(core, flow.work.face_mass, flow.velocity, flow.extra)
+
+
+def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
+    """The paper's viscous term on the particles, added to their velocities: n/C_r nu_eff lap(u_d / n) dt."""
+    if not flow.viscous:
+        return
+    flow.sample_medium()
+    p, near, velocity = flow.particles, flow.smoothing, flow.pore_velocity()
+    nu = np.full(len(p), flow.viscosity)
+    if flow.smagorinsky > 0.0:
+        nu += near.eddy_viscosity(p.position, flow.start, velocity, flow.bulk, flow.smagorinsky)
+    change = dt * near.viscous_acceleration(p.position, flow.start, velocity, flow.bulk, nu)
+    if flow.inertia is not None:
+        change /= flow.inertia
+    before = flow.kinetic_energy()
+    p.velocity += change
+    ledger.viscous_work += before - flow.kinetic_energy()
+
+
+def make_waves(flow: Flow) -> None:
+    """Accelerations of the wave makers, on top of the viscous ones."""
+    if not flow.makers:
+        return
+    if not flow.push:
+        flow.push, flow.pushed = flow.grid.faces(), _touched(flow.makers)
+    for axis, where in flow.pushed.items():
+        flow.push[axis][where] = 0.0
+    for maker in flow.makers:
+        maker.push(flow.time, flow.push)
+    if flow.extra:
+        for axis, where in flow.pushed.items():
+            flow.extra[axis][where] += flow.push[axis][where]
+    else:
+        flow.extra = flow.push
+
+
+def _touched(makers: list[Maker]) -> dict[int, slice]:
+    """Axes of the faces that any of them pushes, and from which to which along x."""
+    found: dict[int, slice] = {}
+    for maker in makers:
+        for axis, s in maker.touches().items():
+            before = found.get(axis, s)
+            found[axis] = slice(min(before.start, s.start), max(before.stop, s.stop))
+    return found
+
+
+def drive(flow: Flow, dt: float) -> None:
+    """Velocities of the open sides in the middle of a step of dt [s] that begins now."""
+    for side in flow.sides:
+        side.drive(flow, dt)
+
+
+def apply_forces(flow: Flow, dt: float) -> None:
+    """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
+    m = flow.medium
+    resists = (m.material, m.materials, flow.damping, flow.listed("energy"), flow.held)
+    resistance = resists if flow.resists else ([], None, [], None, [])
+    flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
+    flow.kick = dt
+    _core.apply_forces(
+        flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
+        flow.velocity, flow.drag, flow.mobility,
+    )  # fmt: skip
+    flow.extra = []

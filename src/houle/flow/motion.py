@@ -1,0 +1,108 @@
+"""Motion of the particles: with the grid or with velocities of their own, past walls, interfaces and crests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from houle import _core
+from houle.boundary.paddle import place as place_paddles
+from houle.flow.state import Flow
+from houle.flow.transfer import Transfer, interpolate
+from houle.grid import FloatArray
+
+
+def move_paddles(flow: Flow) -> None:
+    """Moving walls to where they are at the end of the step."""
+    for paddle in flow.paddles:
+        paddle.advance()
+    if flow.paddles:
+        place_paddles(flow)
+
+
+def settle(flow: Flow, transfer: Transfer) -> None:
+    """Near porous faces where no pressure holds the water: particles take no more energy than the grid has there."""
+    if flow.porous:
+        p, affine = flow.particles, transfer.arrays.get("affine")
+        medium, state = (*flow.crossing, flow.held), (flow.velocity, p.position, p.velocity, affine)
+        _core.settle(flow.grid.core, *medium, *state, flow.interfaces)
+
+
+@contextmanager
+def crossing(flow: Flow, dt: float, behind: float) -> Iterator[None]:
+    """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
+    and turn as C_r changes. behind: time [s] in which momentum falls behind where added mass is on the rate alone.
+    """
+    if not flow.porous:
+        yield
+        return
+    ago = _convective_share(flow)
+    change = _fall_behind(flow, behind) if flow.lag and behind > 0.0 else None
+    yield
+    if change is not None:
+        flow.particles.velocity += change
+    flow.carry(dt, ago)
+
+
+def _convective_share(flow: Flow) -> FloatArray | None:
+    """K/C_r where the particles are (N,); None where it is 1 everywhere."""
+    if flow.lag is None:
+        return None
+    share, (number, lag) = np.empty(len(flow.particles)), flow.lag
+    _core.gather_cells(flow.grid.core, flow.particles.position, lag[number], share)
+    return 1.0 - share
+
+
+def _fall_behind(flow: Flow, dt: float) -> FloatArray:
+    """Change of the velocities (N, d) as momentum moves with K/C_r of the velocity of the water."""
+    medium = (*flow.crossing, flow.held, flow.lag, flow.listed("particle_porosity"))
+    on_faces, change = flow.grid.faces(), np.empty_like(flow.particles.velocity)
+    _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.interfaces)
+    interpolate(flow, on_faces, change)
+    return change
+
+
+def move(flow: Flow, dt: float) -> None:
+    """Particles along the pore velocity of the grid, midpoint rule."""
+    with crossing(flow, dt, dt):
+        _move(flow, dt)
+
+
+def _move(flow: Flow, dt: float) -> None:
+    p, before = flow.particles, near_crests(flow, flow.particles.position)
+    own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
+    _core.move(
+        flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
+        flow.medium.outline, flow.gates, dt, p.position, flow.walls, flow.interfaces,
+    )  # fmt: skip
+    book_crossings(flow, before)
+
+
+def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
+    """Particles from `start` with velocities of their own. Without a porosity, a second time: the turn is done, and the
+    velocities on the grid are those of this step.
+    """
+    position, m = flow.particles.position, flow.medium
+    with crossing(flow, *((dt, 0.0) if porosity is not None else (0.0, dt))):
+        _core.drift(flow.grid.core, start, velocity, porosity, m.outline, flow.gates, dt, position, flow.walls)
+
+
+def arrive(flow: Flow, start: FloatArray, velocity: FloatArray, dt: float) -> None:
+    """Particles from `start` with pore velocities of their own, to where they stay."""
+    drift(flow, start, velocity, None, dt)
+    book_crossings(flow, near_crests(flow, start))
+
+
+def near_crests(flow: Flow, position: FloatArray) -> list[FloatArray]:
+    """Copies of the positions near each crest."""
+    return [position[crest.near(flow.start)].copy() for crest in flow.crests]
+
+
+def book_crossings(flow: Flow, before: list[FloatArray]) -> None:
+    """Books what crosses the crests on the way from there to where the particles are now."""
+    p = flow.particles
+    for crest, was in zip(flow.crests, before, strict=True):
+        near = crest.near(flow.start)
+        crest.moved(was, p.position[near], p.volume[near])

@@ -1,0 +1,59 @@
+"""Where the water is: particles in the order of their cells, fill, depth below the free surface, cells under water."""
+
+from __future__ import annotations
+
+from houle import _core
+from houle.errors import SimulationError
+from houle.flow.state import Flow
+from houle.flow.transfer import Transfer
+from houle.grid import FloatArray
+
+MOST_CONTRAST = 30.0  # of C_r/n^2 at an interface that the Bernoulli force carries water across
+
+
+def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
+    """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
+    p, work = flow.particles, flow.work
+    try:
+        _core.sort_particles(flow.grid.core, p.position, p.velocity, p.volume, work.spare, work.order, flow.start)
+    except FloatingPointError as error:
+        raise SimulationError(
+            str(error),
+            diagnosis="A particle is where no water can be, most often because a velocity became infinite or not a "
+            "number in this step.",
+        ) from error
+    for name, values in transfer.arrays.items():
+        transfer.arrays[name] = values[work.order]
+    flow.sample_medium()
+    return tuple(values[work.order] for values in more)
+
+
+def arrange(flow: Flow, transfer: Transfer) -> None:
+    """Particles sorted, medium sampled where they are, surface found: what a step starts from and leaves."""
+    sort(flow, transfer)
+    flow.fastest = flow.max_pore_speed()
+    find_surface(flow)
+
+
+def find_surface(flow: Flow) -> None:
+    """Fill fraction of the pores of every cell; depth below the free surface; cells under water.
+
+    Valid for particles moved by up to two cells since they were sorted.
+    """
+    core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
+    volume = flow.particles.volume
+    _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity, flow.gates)
+    _core.column_heights(core, flow.start, position, volume, flow.height, flow.walls, flow.gates)
+    _core.column_levels(
+        core, flow.height, flow.column_porosity, flow.fill, flow.inverse_capacity,
+        mixed.column, mixed.start, mixed.pieces, flow.level,
+    )  # fmt: skip
+    _core.find_surface(
+        core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.depth, flow.active, flow.column,
+        flow.eta, flow.gates,
+    )  # fmt: skip
+    for paddle in flow.paddles:
+        paddle.shut()
+    if flow.porous:
+        cells = (flow.medium.listed("open_cells"), flow.medium.listed("contrast"))
+        _core.hold_faces(core, flow.active, *cells, MOST_CONTRAST, flow.held)
