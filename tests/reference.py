@@ -1,4 +1,4 @@
-"""Surface, forces, projection and motion in plain NumPy: what core/*.hpp computes, to be read first.
+"""Surface, forces, projection and motion in plain NumPy: what core/houle computes, to be read first.
 
 Everything is written as the formula says, particle by particle and face by face; nothing is fast. `grid` is a
 houle.grid.Grid. A field of axis -1 lies at the cell centres, one of axis a on the faces across that axis.
@@ -94,7 +94,7 @@ def beside(grid, axis, i):
 
 
 def apply_forces(grid, u, inertia, darcy, forchheimer, energy, gravity, extra, dt):
-    """(star, drag, mobility, resisted): the exponential Rosenbrock-Euler step of core/forces.hpp, face by face."""
+    """(star, drag, mobility, resisted): the exponential Rosenbrock-Euler step of water/forces.hpp, face by face."""
     d = grid.dimension
     star, drag, mobility, resisted = grid.faces(), grid.faces(), grid.faces(), grid.faces()
     for a in range(d):
@@ -414,7 +414,7 @@ def viscous_acceleration(grid, u, mass, least, molecular, nu, porosity, no_slip)
 
 
 def travel(axis, dt, u, mass, least, porosity, way):
-    """(way + dt u, largest |way| / n where there is more than `least`), single precision: core/advect.hpp.
+    """(way + dt u, largest |way| / n where there is more than `least`), single precision: core/houle/water/advect.hpp.
 
     u, mass, way: on the faces of the axis; porosity (cells), of which a face has the mean of those on both sides.
     """

@@ -1,4 +1,4 @@
-"""The pressure system as a sparse matrix: the readable twin of core/poisson.hpp."""
+"""The pressure system as a sparse matrix: the readable twin of core/houle/pressure/poisson.hpp."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The conservative remeshing in plain NumPy, particle by particle: what core/remesh.hpp computes, to be read first."""
+"""The conservative remeshing in plain NumPy, particle by particle: what water/remesh.hpp computes, to be read first."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def half_cells(grid, cells, body):
 
 
 def conservative(grid, pores, position, velocity, volume, porosity, gates=()):
-    """(position, velocity, volume) after remeshing; see core/remesh.hpp for the rules. No outline: half cells only.
+    """(position, velocity, volume) after remeshing; see water/remesh.hpp for the rules. No outline: half cells only.
     gates (x, lower edge) [m]: no x axis that is periodic.
     """
     lattice = Lattice(grid, pores, gates)

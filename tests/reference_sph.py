@@ -1,4 +1,4 @@
-"""The particle sums of core/sph.hpp in plain NumPy, over all pairs and all mirror images."""
+"""The particle sums of core/houle/water/sph.hpp in plain NumPy, over all pairs and all mirror images."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kernels and transfers in plain NumPy: what core/kernels.hpp and core/transfer.hpp compute, to be read first.
+"""Kernels and transfers in plain NumPy: core/houle/grid/kernels.hpp and water/transfer.hpp, to be read first.
 
 Everything is written as the formula says, particle by particle and face by face; nothing is fast. `grid` is a
 houle.grid.Grid. A field of axis -1 lies at the cell centres, one of axis a on the faces across that axis.

@@ -1,4 +1,4 @@
-# The compiled core for type checkers: whatever is asked for. Its functions are described where they are, core/*.hpp.
+# The compiled core for type checkers: whatever is asked for. Its functions are described where they are, core/houle.
 from typing import Any
 
 def __getattr__(name: str) -> Any: ...

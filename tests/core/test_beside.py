@@ -1,4 +1,4 @@
-"""What particles beside an interface see of the faces, and what they give to them: core/interfaces.hpp."""
+"""What particles beside an interface see of the faces, and what they give to them: core/houle/water/interfaces.hpp."""
 
 import itertools
 

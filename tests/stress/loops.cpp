@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "../../core/parallel.hpp"
+#include <houle/exec/parallel.hpp>
 
 using namespace houle;
 

@@ -20,6 +20,7 @@ from importlib import metadata
 from pathlib import Path
 
 SOURCE = Path(__file__).with_suffix(".cpp")
+CORE = SOURCE.parents[2] / "core"
 
 
 def compiler() -> str | None:
@@ -43,9 +44,9 @@ def build(folder: Path, sanitizer: str | None = None) -> Path:
     checks = [f"-fsanitize={sanitizer}", "-g"] if sanitizer else []
     told = ["-fno-sanitize=thread", "-DHOULE_THREAD_SANITIZER"] if sanitizer == "thread" else []
     library = onetbb() or ["-ltbb"]  # the system's
-    command = [compiler() or "c++", "-O2", "-std=c++20", "-pthread", *checks]
-    core = SOURCE.parents[2] / "core" / "threads.cpp"
-    subprocess.run([*command, *told, "-DHOULE_TBB", *library, "-c", str(core), "-o", str(threads)], check=True)
+    command = [compiler() or "c++", "-O2", "-std=c++20", f"-I{CORE}", "-pthread", *checks]
+    source = CORE / "houle" / "exec" / "threads.cpp"
+    subprocess.run([*command, *told, "-DHOULE_TBB", *library, "-c", str(source), "-o", str(threads)], check=True)
     subprocess.run([*command, str(SOURCE), str(threads), *library, "-o", str(program)], check=True)
     return program
 

@@ -1,0 +1,59 @@
+// Gates: plates across the tank, on faces of the first axis, open below their lower edges.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include <houle/grid/grid.hpp>
+
+namespace houle {
+
+struct Gate {
+  double x;
+  double bottom;  // height of its lower edge, on a grid line [m]
+};
+
+struct Gates {
+  const Gate* gate = nullptr;
+  int count = 0;
+};
+
+struct Room {  // the cells or nodes along the first axis from low to high - 1, between two walls
+  index low = std::numeric_limits<index>::min() / 4, high = std::numeric_limits<index>::max() / 4;
+
+  index image(index i) const { return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i); }
+};
+
+// Between the gates beside x, of those that reach down to row `top` of cells of size h, `count` along the first axis.
+template <int D>
+inline Room room_beside(const Gates& gates, const std::array<double, D>& h, index count, bool periodic, double x,
+                        index top) {
+  Room room;
+  for (int k = 0; k < gates.count; ++k) {
+    const Gate& gate = gates.gate[k];
+    if (top < floor_index(gate.bottom / h[D - 1] + 0.5)) continue;
+    const index at = floor_index(gate.x / h[0] + 0.5);  // the first behind it
+    const bool front = x < gate.x;
+    if (!front || periodic) room.low = std::max(room.low, front ? at - count : at);
+    if (front || periodic) room.high = std::min(room.high, front ? at : at + count);
+  }
+  return room;
+}
+
+// Stops a particle that went from `from` to x at gates that it would cross above their lower edges. Returns whether it
+// would.
+template <int D>
+inline bool stop_at_gates(const Grid<D>& g, const Gates& gates, const double* from, double* x) {
+  const double height = std::max(x[D - 1], 1e-9 * g.h[D - 1]);  // where the floor will stop it: not under a shut gate
+  bool stopped = false;
+  for (int k = 0; k < gates.count; ++k) {
+    const Gate& gate = gates.gate[k];
+    const bool left = from[0] < gate.x;
+    if (left == (x[0] < gate.x) || !(height > gate.bottom)) continue;
+    x[0] = gate.x + (left ? -1e-9 : 1e-9) * g.h[0];
+    stopped = true;
+  }
+  return stopped;
+}
+
+}  // namespace houle

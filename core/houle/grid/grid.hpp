@@ -1,0 +1,137 @@
+// The Cartesian staggered (MAC) grid: shape, spacing and which axes repeat. No data: arrays are passed beside it.
+//
+// Arrays are C-ordered, the last axis (up) fastest. A cell field has the grid's shape; a face field of axis a has one
+// more entry along a: face i lies at x_a = i h_a, between cells i-1 and i. On a periodic axis face 0 and face n are the
+// same face; both entries are kept equal. Every cell field of n cells and every face field is dense, without ghosts.
+#pragma once
+
+#include <array>
+
+#include <houle/exec/parallel.hpp>
+
+namespace houle {
+
+template <int D>
+struct Grid {
+  static_assert(D == 2 || D == 3);
+  std::array<index, D> shape{};
+  std::array<double, D> h{};  // spacing per axis [m]
+  std::array<bool, D> periodic{};
+
+  index cells() const {
+    index n = 1;
+    for (index s : shape) n *= s;
+    return n;
+  }
+  double cell_volume() const {
+    double v = 1;
+    for (double s : h) v *= s;
+    return v;
+  }
+  std::array<index, D> face_shape(int axis) const {
+    auto s = shape;
+    s[axis] += 1;
+    return s;
+  }
+  index faces(int axis) const {
+    index n = 1;
+    for (index s : face_shape(axis)) n *= s;
+    return n;
+  }
+  static std::array<index, D> strides(const std::array<index, D>& shape) {
+    std::array<index, D> s{};
+    s[D - 1] = 1;
+    for (int a = D - 2; a >= 0; --a) s[a] = s[a + 1] * shape[a + 1];
+    return s;
+  }
+  static index flat(const std::array<index, D>& i, const std::array<index, D>& stride) {
+    index f = 0;
+    for (int a = 0; a < D; ++a) f += i[a] * stride[a];
+    return f;
+  }
+  static std::array<index, D> unflat(index f, const std::array<index, D>& shape) {
+    std::array<index, D> i{};
+    for (int a = D - 1; a >= 0; --a) {
+      i[a] = f % shape[a];
+      f /= shape[a];
+    }
+    return i;
+  }
+};
+
+// The shape of the rows of a field.
+template <int D>
+inline std::array<index, D> rows_of(std::array<index, D> shape) {
+  shape[D - 1] = 1;
+  return shape;
+}
+
+// Number i of n brought back from outside: around a periodic axis, however short, or onto the end.
+inline index inside(index i, index n, bool periodic) {
+  if (i < 0) return periodic ? n - 1 - (-1 - i) % n : 0;
+  if (i >= n) return periodic ? i % n : n - 1;
+  return i;
+}
+
+// floor(s) as an index. What lies far beyond any grid, or nowhere (NaN), becomes an index outside: never one that
+// wraps.
+inline index floor_index(double s) {
+  constexpr double far = 1e9;  // cells; an axis has fewer than 2^31
+  s = s > -far ? s : -far;     // NaN goes here
+  return static_cast<std::int32_t>(std::floor(s < far ? s : far));
+}
+
+// Calls body(axis, first, end) with the faces of every axis, slice by slice across the first: those numbered first to
+// end - 1 are in one slice.
+template <int D, class Body>
+inline void parallel_for_face_slices(const Grid<D>& g, Body body) {
+  parallel_for(
+      g.shape[0] + 1,
+      [=](index i) {
+        for (int a = 0; a < D; ++a) {
+          if (a > 0 && i == g.shape[0]) continue;
+          const index slice = g.faces(a) / g.face_shape(a)[0];
+          body(a, i * slice, (i + 1) * slice);
+        }
+      },
+      std::max<index>(1, 2048 * g.shape[0] / g.cells()));
+}
+
+template <int D, class Real = double>
+struct Faces {  // the D face fields of one quantity
+  std::array<Real*, D> data{};
+  Real* operator[](int a) const { return data[a]; }
+};
+
+template <int D, class Real = double>
+struct ConstFaces {
+  std::array<const Real*, D> data{};
+  ConstFaces() = default;
+  ConstFaces(const Faces<D, Real>& f) {
+    for (int a = 0; a < D; ++a) data[a] = f[a];
+  }
+  const Real* operator[](int a) const { return data[a]; }
+};
+
+// A property of the cells with few different values: each cell has the number of its own. Null: there is none.
+struct Listed {
+  const std::int32_t* number = nullptr;
+  const double* value = nullptr;
+  double operator[](index cell) const { return value[number[cell]]; }
+  Listed operator+(index cell) const { return {number + cell, value}; }
+  explicit operator bool() const { return number != nullptr; }
+};
+
+// A vertical wall across the first axis, wherever it stands between the faces: water on its far side (side > 0) or on
+// its near one. Not nearer than `mirrored` cells to the sides of the tank.
+struct Paddle {
+  double x;
+  double side;
+};
+
+struct Paddles {
+  const Paddle* paddle = nullptr;
+  int count = 0;
+};
+
+}  // namespace houle

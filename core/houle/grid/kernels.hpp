@@ -1,0 +1,315 @@
+// Transfer kernels: the weights with which a particle and the grid nodes around it see each other, axis by axis.
+//
+// A kernel has `width` nodes per axis. Along one axis a particle at index coordinate s (node i at i) reaches the nodes
+// first(s) .. first(s) + width - 1. weights() writes their weights w; the Taylor Gaussian also writes the second-moment
+// terms q, its weight in d dimensions being prod_a w_a (1 + sum_a q_a), paper eqs (8)-(11). `side` is the particle's
+// edge length in units of the spacing of that axis, dx_p / (h n^(1/d)): only the Gaussians use it. least_own: share of
+// the weights of an axis that must be on a particle's side of an interface; with less there is nothing to choose from.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+#include <houle/grid/gates.hpp>
+
+namespace houle {
+
+struct LinearKernel {  // tent: partition of unity, reproduces degree 1
+  static constexpr int width = 2;
+  static constexpr bool taylor = false;
+  static constexpr bool normalised = true;  // the weights sum to 1 for any s
+  static constexpr double least_own = 0.01;
+  static index first(double s) { return floor_index(s); }
+  static void weights(double s, index i0, double, double* w, double*) {
+    const double f = s - static_cast<double>(i0);
+    w[0] = 1.0 - f;
+    w[1] = f;
+  }
+};
+
+struct QuadraticKernel {  // quadratic B-spline: C1, reproduces degree 1
+  static constexpr int width = 3;
+  static constexpr bool taylor = false;
+  static constexpr bool normalised = true;
+  static constexpr double least_own = 0.01;
+  static index first(double s) { return floor_index(s + 0.5) - 1; }
+  static void weights(double s, index i0, double, double* w, double*) {
+    const double f = s - static_cast<double>(i0 + 1);  // in [-1/2, 1/2)
+    w[0] = 0.5 * (0.5 - f) * (0.5 - f);
+    w[1] = 0.75 - f * f;
+    w[2] = 0.5 * (0.5 + f) * (0.5 + f);
+  }
+};
+
+struct M4PrimeKernel {  // Monaghan (1985), paper eq. (7) as a tensor product: reproduces degree 2, has negative weights
+  static constexpr int width = 4;
+  static constexpr bool taylor = false;
+  static constexpr bool normalised = true;
+  static constexpr double least_own = 0.5;  // their sum may be small where they are not
+  static double value(double r) {
+    const double s = std::abs(r);
+    if (s < 1.0) return 1.0 - s * s * (2.5 - 1.5 * s);
+    if (s < 2.0) return 0.5 * (2.0 - s) * (2.0 - s) * (1.0 - s);
+    return 0.0;
+  }
+  static index first(double s) { return floor_index(s) - 1; }
+  static void weights(double s, index i0, double, double* w, double*) {
+    for (int k = 0; k < 4; ++k) w[k] = value(s - static_cast<double>(i0 + k));
+  }
+};
+
+// Gaussians of standard deviation sigma = 0.6 h (the paper's W ~ exp(-r^2/eps^2) with eps = 0.85 h), cut at 3 nodes;
+// not a partition of unity, so transfers divide by the sum of the weights.
+struct GaussianBase {
+  static constexpr int width = 6;
+  static constexpr bool normalised = false;
+  static constexpr double least_own = 0.01;
+  static constexpr double sigma = 0.6;
+  static index first(double s) { return floor_index(s) - 2; }
+};
+
+struct GaussianKernel : GaussianBase {  // the particle is a point
+  static constexpr bool taylor = false;
+  static void weights(double s, index i0, double, double* w, double*) {
+    for (int k = 0; k < width; ++k) {
+      const double r = (s - static_cast<double>(i0 + k)) / sigma;
+      w[k] = std::exp(-0.5 * r * r);
+    }
+  }
+};
+
+// The particle is a square of edge `side`, to second order: (10)-(11). One wider than 1.7 cells counts as one of 1.7:
+// its series has negative weights, whose sum may vanish while the momentum that they carry does not.
+struct GaussianTaylorKernel : GaussianBase {
+  static constexpr bool taylor = true;
+  static constexpr double widest = 1.0 / 3.0;  // of the moment: 1 + sum_a q_a >= 0 on three axes
+  static void weights(double s, index i0, double side, double* w, double* q) {
+    const double moment = std::min(side * side / 24.0 / (sigma * sigma), widest);  // (1/2) M20 / M00, times W_xx / W
+    for (int k = 0; k < width; ++k) {
+      const double r = (s - static_cast<double>(i0 + k)) / sigma;
+      w[k] = std::exp(-0.5 * r * r);
+      q[k] = moment * (r * r - 1.0);
+    }
+  }
+};
+
+struct GaussianCellKernel : GaussianBase {  // the exact integral over the particle's square: a difference of erf
+  static constexpr bool taylor = false;
+  static void weights(double s, index i0, double side, double* w, double*) {
+    const double c = 1.0 / (sigma * std::sqrt(2.0));
+    for (int k = 0; k < width; ++k) {
+      const double r = s - static_cast<double>(i0 + k);
+      w[k] = std::erf((r + 0.5 * side) * c) - std::erf((r - 0.5 * side) * c);
+    }
+  }
+};
+
+// A node index brought back into the grid. On a wall axis a node behind the wall is the mirror image of one in front
+// of it (sign -1 for the velocity component normal to the wall); on a periodic axis it wraps.
+struct Folded {
+  index node;
+  double sign;
+};
+
+inline Folded fold(index i, index cells, bool on_faces, bool periodic) {
+  if (periodic) {
+    i %= cells;
+    return {i < 0 ? i + cells : i, 1.0};
+  }
+  const index last = on_faces ? cells : cells - 1;
+  double sign = 1.0;
+  for (int pass = 0; pass < 4 && (i < 0 || i > last); ++pass) {  // repeated in a tank narrower than the kernel
+    i = i < 0 ? (on_faces ? -i : -1 - i) : (on_faces ? 2 * last - i : 2 * last + 1 - i);
+    sign = -sign;
+  }
+  return {i < 0 ? 0 : (i > last ? last : i), sign};
+}
+
+// Calls f with 0 .. n-1: as compile-time constants where n is small, so that what it indexes stays in registers
+// (with 3 axes GCC must be told to inline, or the stencil goes through memory: half the speed).
+template <int n, class F>
+[[gnu::always_inline]] inline void each_of(F f) {
+  if constexpr (n <= 3) {
+    f(std::integral_constant<int, 0>{});
+    if constexpr (n > 1) f(std::integral_constant<int, 1>{});
+    if constexpr (n > 2) f(std::integral_constant<int, 2>{});
+  } else {
+    for (int k = 0; k < n; ++k) f(k);
+  }
+}
+
+// Calls f with 0 .. n-1 as compile-time constants.
+template <int n, class F>
+[[gnu::always_inline]] inline void unrolled(F f) {
+  [&]<int... k>(std::integer_sequence<int, k...>) {
+    (f(std::integral_constant<int, k>{}), ...);
+  }(std::make_integer_sequence<int, n>{});
+}
+
+// The nodes that a particle reaches along one axis, on the faces across it or at the cell centres.
+template <class K>
+struct Reach {
+  index node[K::width];
+  double weight[K::width];
+  double moment[K::width];  // q of the Taylor Gaussian
+  double sign[K::width];    // of the normal component on its own axis
+  double first;  // from the particle to its first node, in cells: where that stands, not where it is folded to
+
+  // s: index coordinate, node i at i; side: particle edge in cells
+  void set(double s, double side, bool on_faces, index cells, bool periodic) {
+    const index i0 = K::first(s);
+    K::weights(s, i0, side, weight, moment);
+    first = static_cast<double>(i0) - s;
+    for (int k = 0; k < K::width; ++k) {
+      node[k] = i0 + k;
+      sign[k] = 1.0;
+    }
+    const index last = on_faces && !periodic ? cells : cells - 1;
+    if (i0 >= 0 && i0 + K::width - 1 <= last) return;
+    for (int k = 0; k < K::width; ++k) {
+      const Folded f = fold(i0 + k, cells, on_faces, periodic);
+      node[k] = f.node;
+      if constexpr (K::width > 2) sign[k] = f.sign;  // the linear kernel never reaches behind the wall face
+    }
+  }
+  // The same between gates, at cell centres: what stands behind a gate is replaced by its mirror image in front of it.
+  void keep(const Room& room, double s, index cells, bool periodic) {
+    for (int k = 0; k < K::width; ++k) node[k] = fold(room.image(K::first(s) + k), cells, false, periodic).node;
+  }
+};
+
+// The cells that a particle at x has to itself, between the gates that stand where its tent reaches.
+template <int D>
+inline Room room_of_cells(const Grid<D>& g, const Gates& gates, const double* x) {
+  const index top = floor_index(x[D - 1] / g.h[D - 1] - 0.5) + 1;
+  return room_beside<D>(gates, g.h, g.shape[0], g.periodic[0], x[0], top);
+}
+
+// The nodes around a particle: those of the field on the faces of axis `component`, or (component -1) at cell centres.
+template <class K, int D>
+struct Stencil {
+  Reach<K> centre[D], face[D];
+
+  // x: position in metres; side: particle edge in metres
+  [[gnu::always_inline]] void set_centres(const Grid<D>& g, const double* x, double side = 0.0) {
+    each_of<D>([&](auto a) { centre[a].set(x[a] / g.h[a] - 0.5, side / g.h[a], false, g.shape[a], g.periodic[a]); });
+  }
+  [[gnu::always_inline]] void set(const Grid<D>& g, const double* x, double side = 0.0) {
+    each_of<D>([&](auto a) {
+      const double s = x[a] / g.h[a], edge = side / g.h[a];
+      centre[a].set(s - 0.5, edge, false, g.shape[a], g.periodic[a]);
+      face[a].set(s, edge, true, g.shape[a], g.periodic[a]);
+    });
+  }
+
+  template <int component, int axis>
+  const Reach<K>& along() const {
+    if constexpr (axis == component)
+      return face[axis];
+    else
+      return centre[axis];
+  }
+
+  // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component[, offsets k[D]])
+  template <int component, class Visit>
+  [[gnu::always_inline]] void each(const std::array<index, D>& stride, Visit visit) const {
+    const auto &r0 = along<component, 0>(), &r1 = along<component, 1>();
+    each_of<K::width>([&](auto i) {
+      const index row = r0.node[i] * stride[0];
+      each_of<K::width>([&](auto j) {
+        const double w = r0.weight[i] * r1.weight[j];
+        if constexpr (D == 2) {
+          double q = 1.0, sign = 1.0;
+          if constexpr (K::taylor) q += r0.moment[i] + r1.moment[j];
+          if constexpr (component == 0) sign = r0.sign[i];
+          if constexpr (component == 1) sign = r1.sign[j];
+          at(visit, row + r1.node[j], w * q, sign, {i, j});
+        } else {
+          const auto& r2 = along<component, 2>();
+          const index line = row + r1.node[j] * stride[1];
+          each_of<K::width>([&](auto l) {
+            double q = 1.0, sign = 1.0;
+            if constexpr (K::taylor) q += r0.moment[i] + r1.moment[j] + r2.moment[l];
+            if constexpr (component == 0) sign = r0.sign[i];
+            if constexpr (component == 1) sign = r1.sign[j];
+            if constexpr (component == 2) sign = r2.sign[l];
+            at(visit, line + r2.node[l], w * r2.weight[l] * q, sign, {i, j, l});
+          });
+        }
+      });
+    });
+  }
+
+  template <class Visit>
+  [[gnu::always_inline]] static void at(Visit& visit, index flat, double w, double sign, std::array<int, D> k) {
+    if constexpr (std::is_invocable_v<Visit&, index, double, double, const std::array<int, D>&>)
+      visit(flat, w, sign, k);
+    else
+      visit(flat, w, sign);
+  }
+  // From the particle to the node k nodes after the first, along each axis [m].
+  template <int component>
+  std::array<double, D> distance(const Grid<D>& g, const std::array<int, D>& k) const {
+    std::array<double, D> r;
+    each_of<D>([&](auto b) { r[b] = (along<component, b>().first + k[b]) * g.h[b]; });
+    return r;
+  }
+
+  // The field of that component at the particle; a kernel that is not normalised is divided by the sum of its weights.
+  template <int component, class Field>
+  [[gnu::always_inline]] double gather(const std::array<index, D>& stride, const Field& field) const {
+    double value = 0.0, sum = 0.0;
+    each<component>(stride, [&](index f, double w, double sign) {
+      value += w * sign * field[f];
+      sum += w;
+    });
+    return K::normalised ? value : value / sum;
+  }
+  // Sum of the weights: 1 for a normalised kernel.
+  template <int component>
+  double total() const {
+    if constexpr (K::normalised) return 1.0;
+    double sum = 0.0;
+    each<component>({}, [&](index, double w, double) { sum += w; });
+    return sum;
+  }
+};
+
+struct Place {
+  index cell;   // the nearest, for a point outside the tank
+  bool inside;  // the tank, or no farther from it than it is long: outside is where a flow that blew up goes
+};
+
+template <int D>
+[[gnu::always_inline]] inline Place place_of(const Grid<D>& g, const double* x) {
+  Place place{0, true};
+  for (int a = 0; a < D; ++a) {
+    const double s = x[a] / g.h[a], n = static_cast<double>(g.shape[a]);
+    place.inside &= s >= -n && s <= 2.0 * n;  // not so for NaN
+    index i = floor_index(s);
+    i = i < 0 ? 0 : (i >= g.shape[a] ? g.shape[a] - 1 : i);
+    place.cell = place.cell * g.shape[a] + i;
+  }
+  return place;
+}
+
+// The cell of the particle at x, whose stencil this is.
+template <class K, int D>
+[[gnu::always_inline]] inline index cell_of(const Grid<D>& g, const Stencil<K, D>& st, const double* x) {
+  if constexpr (!std::is_same_v<K, LinearKernel>) return place_of<D>(g, x).cell;
+  index cell = 0;
+  for (int a = 0; a < D; ++a) cell = cell * g.shape[a] + std::min(st.face[a].node[0], g.shape[a] - 1);
+  return cell;
+}
+
+// Strides of the face fields of all axes.
+template <int D>
+inline std::array<std::array<index, D>, D> face_strides(const Grid<D>& g) {
+  std::array<std::array<index, D>, D> stride;
+  for (int a = 0; a < D; ++a) stride[a] = Grid<D>::strides(g.face_shape(a));
+  return stride;
+}
+
+}  // namespace houle

@@ -1,0 +1,163 @@
+// Where porous bodies and clear water meet, as particles and faces near to an interface know it.
+//
+// Across an interface the Darcy velocity is continuous. Along it, it is not: drag, inertia and porosity differ. So a
+// particle sees the faces of its own side only, with their weights divided by their sum; but the component across an
+// interface that is parallel to the faces of that axis, which is known on the interface itself, it sees as everywhere.
+// What it gives to the faces has the same weights. They sum to 1, so momentum is conserved and uniform flow is kept;
+// and as near a wall of the tank, the velocity is constant over the last half cell. See docs/decisions/0017.
+#pragma once
+
+#include <houle/grid/kernels.hpp>
+
+namespace houle {
+
+// The sides of a gate, in the place of the numbers of media (GATE of medium/interfaces.py).
+constexpr double before_gate = -3.0, behind_gate = -2.0;
+
+// The interface nearest to the centre of a cell, as a plane, and the media on both of its sides. Or a gate beside the
+// cell: then its sides stand in the place of the media, and faces belong to the side on which they lie.
+template <int D>
+struct Interface {
+  double normal[D];
+  double offset;        // normal . x on it [m]
+  double below, above;  // medium where normal . x is less, and more
+
+  bool beyond(const double* x) const {
+    double s = -offset;
+    for (int a = 0; a < D; ++a) s += normal[a] * x[a];
+    return s >= 0.0;
+  }
+  double side(const double* x) const { return beyond(x) ? above : below; }  // the medium there
+  int axis() const {  // of the faces to which it is parallel (PARALLEL of medium/interfaces.py), -1: none
+    for (int a = 0; a < D; ++a)
+      if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
+    return -1;
+  }
+  // Whether it is parallel, or nearly, to the faces of that axis (ALONG of medium/interfaces.py).
+  bool across(int a) const { return normal[a] * normal[a] > 0.99; }
+};
+
+template <int D>
+struct Interfaces {
+  const std::int32_t* number = nullptr;  // cells: of the interface in the list, -1 far from any; null: there are none
+  const std::int32_t* close = nullptr;   // the same; -1 also where the linear kernel meets faces of one medium only
+  const Interface<D>* list = nullptr;
+  std::array<double, D> slices{};     // 1 over the number of faces of each axis in a slice across the first
+  double spacing = 0;                 // of the cells along the first axis [m]
+  ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
+
+  // What a particle in that cell has to know of, which sees faces by the kernel K.
+  template <class K>
+  const Interface<D>* near(index cell) const {
+    const std::int32_t k = (std::is_same_v<K, LinearKernel> ? close : number)[cell];
+    return k < 0 ? nullptr : list + k;
+  }
+  const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
+  // Whether a face of axis a lies on that side of the interface.
+  bool is_own(const Interface<D>& at, int a, index f, double side) const {
+    if (side > behind_gate) return medium[a][f] == side || medium[a][f] < 0;
+    return (std::floor((static_cast<double>(f) + 0.5) * slices[a]) + 0.5) * spacing >= at.offset ? side == behind_gate
+                                                                                                 : side == before_gate;
+  }
+};
+
+// What is passed to the two functions below that are not inlined is copied: the loops around them, in which few
+// particles are beside an interface, keep what they have in registers.
+
+// The weights of the linear kernel for these faces of axis a, as a particle at x beside that interface sees them.
+template <int D, std::size_t count>
+HOULE_NOINLINE inline std::array<double, count> own_weights(const Interfaces<D> media, int a, const Interface<D>* at,
+                                                            const std::array<double, D> x,
+                                                            const std::array<index, count> face,
+                                                            std::array<double, count> weight) {
+  if (at->across(a)) return weight;
+  const double side = at->side(x.data());
+  double sum = 0.0;
+  for (std::size_t k = 0; k < count; ++k) sum += media.is_own(*at, a, face[k], side) ? weight[k] : 0.0;
+  if (!(sum > LinearKernel::least_own)) return weight;
+  for (std::size_t k = 0; k < count; ++k) weight[k] = media.is_own(*at, a, face[k], side) ? weight[k] / sum : 0.0;
+  return weight;
+}
+
+template <int D>
+inline std::array<double, D> point(const double* x) {
+  std::array<double, D> at;
+  std::copy_n(x, D, at.begin());
+  return at;
+}
+
+// A particle beside an interface: how it sees the faces.
+template <class K, int D>
+class Beside {
+ public:
+  // at: the interface nearest to the particle at x; side: edge of the particle [m]
+  Beside(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media,
+         const Interface<D>& at, const double* x, double side)
+      : stride_(stride), media_(media), at_(at), side_(at.side(x)) {
+    stencil_.set(g, x, side);
+    each_of<D>([&](auto a) {
+      double all = 0.0, own = 0.0;
+      stencil_.template each<a>(stride[a], [&](index f, double w, double) {
+        all += w;
+        own += is_own(a, f) ? w : 0.0;
+      });
+      total_[a] = 1.0 / all;
+      own_[a] = !at.across(a) && own > K::least_own * all ? 1.0 / own : 0.0;
+      cut_ = cut_ || (own != all && own_[a] > 0.0);
+    });
+  }
+
+  explicit operator bool() const { return cut_; }  // whether it sees less than all faces around
+  const Stencil<K, D>& stencil() const { return stencil_; }
+
+  // visit(axis, face, weight, sign of the mirrored normal component, offsets)
+  template <class Visit>
+  void each(Visit visit) const {
+    each_of<D>([&](auto a) {
+      const bool all = own_[a] == 0.0;
+      const double share = all ? total_[a] : own_[a];
+      stencil_.template each<a>(stride_[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+        if (all || is_own(a, f)) visit(a, f, w * share, sign, k);
+      });
+    });
+  }
+
+  template <class Field>
+  std::array<double, D> gather(const Field& v) const {
+    std::array<double, D> value{};
+    each([&](auto a, index f, double w, double sign, const auto&) { value[a] += w * sign * v[a][f]; });
+    return value;
+  }
+
+ private:
+  Stencil<K, D> stencil_;
+  const std::array<std::array<index, D>, D>& stride_;
+  const Interfaces<D>& media_;
+  const Interface<D>& at_;
+  double side_;
+  bool cut_ = false;
+  double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
+
+  bool is_own(int a, index f) const { return media_.is_own(at_, a, f, side_); }
+};
+
+template <class K, int D, class Body>
+HOULE_NOINLINE inline bool see_less(const Grid<D> g, const std::array<std::array<index, D>, D> stride,
+                                    const Interfaces<D> media, const Interface<D>* at, const std::array<double, D> x,
+                                    double side, const Body body) {
+  const Beside<K, D> beside(g, stride, media, *at, x.data(), side);
+  if (beside) body(beside);
+  return static_cast<bool>(beside);
+}
+
+// Calls body(beside) and returns true where the particle at x, with that stencil, sees less than all faces around it.
+template <class K, int D, class Body>
+[[gnu::always_inline]] inline bool beside_interface(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
+                                                    const Interfaces<D>& media, const Stencil<K, D>& st,
+                                                    const double* x, double side, const Body& body) {
+  if (!media.number) return false;
+  const Interface<D>* at = media.template near<K>(cell_of(g, st, x));
+  return at && see_less<K, D>(g, stride, media, at, point<D>(x), side, body);
+}
+
+}  // namespace houle

@@ -1,0 +1,137 @@
+// Viscous acceleration on the faces of the grid, with an optional Smagorinsky eddy viscosity.
+#pragma once
+
+#include <houle/grid/grid.hpp>
+
+namespace houle {
+
+// Strain rate |S| = sqrt(2 S_ab S_ab) at cell centres -> nu (cells) = molecular + (C_s Delta)^2 |S| (Smagorinsky 1963).
+template <int D>
+inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double constant, double* nu) {
+  const double filter = constant * std::pow(g.cell_volume(), 1.0 / D);
+  parallel_for(g.cells(), [=](index c) {
+    const auto i = Grid<D>::unflat(c, g.shape);
+    double sum = 0.0;
+    for (int a = 0; a < D; ++a)
+      for (int b = 0; b < D; ++b) {
+        double slope[2];  // du_a/dx_b and du_b/dx_a
+        for (int q = 0; q < 2; ++q) {
+          const int of = q ? b : a, along = q ? a : b;
+          const auto stride = Grid<D>::strides(g.face_shape(of));
+          auto lo = i, hi = i;
+          double span = g.h[along];
+          if (of == along) {
+            hi[of] += 1;
+            slope[q] = (u[of][Grid<D>::flat(hi, stride)] - u[of][Grid<D>::flat(lo, stride)]) / span;
+            continue;
+          }
+          lo[along] =
+              g.periodic[along] ? (i[along] - 1 + g.shape[along]) % g.shape[along] : std::max<index>(i[along] - 1, 0);
+          hi[along] = g.periodic[along] ? (i[along] + 1) % g.shape[along] : std::min(i[along] + 1, g.shape[along] - 1);
+          span *= g.periodic[along] ? 2.0 : static_cast<double>(hi[along] - lo[along]);
+          if (span <= 0.0) {
+            slope[q] = 0.0;
+            continue;
+          }
+          const index up = stride[of];
+          const index l = Grid<D>::flat(lo, stride), h = Grid<D>::flat(hi, stride);
+          slope[q] = 0.5 * (u[of][h] + u[of][h + up] - u[of][l] - u[of][l + up]) / span;
+        }
+        const double s = 0.5 * (slope[0] + slope[1]);
+        sum += 2.0 * s * s;
+      }
+    nu[c] = molecular + filter * filter * std::sqrt(sum);
+  });
+}
+
+// Shear stress of a smooth wall on water that runs along it with speed v at distance y, over its density [m2/s2]: that
+// of the viscous sublayer, nu v / y, or where y lies above it that of the law of the wall, v / v_* = ln(9.8 y v_*/nu) /
+// 0.41 (Nikuradse 1932; as in Launder & Spalding 1974, Comput. Methods Appl. Mech. Eng. 3, 269).
+inline double wall_shear(double v, double y, double nu) {
+  constexpr double karman = 0.41, smooth = 9.8, sublayer = 11.53;  // y v_*/nu where both laws meet
+  if (nu <= 0.0) return 0.0;
+  const double re = std::abs(v) * y / nu;
+  if (!(re > sublayer * sublayer)) return nu * v / y;
+  double s = sublayer;  // y v_*/nu: root of s ln(9.8 s) = karman re, convex, by Newton's method
+  for (int k = 0; k < 8; ++k) {
+    const double l = std::log(smooth * s);
+    s = (karman * re + s) / (l + 1.0);
+  }
+  return v * std::abs(v) * (s / re) * (s / re);
+}
+
+// Water that runs along a wall in a sheet thinner than a cell: thickness in cells that counts at least. Thinner ones
+// would ask for shorter steps.
+constexpr double thinnest_sheet = 0.25;
+
+// acceleration = nu lap(u_d) / n on the faces (13), second order, zero gradient towards empty faces.
+// no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water, else it slips. A wall that does
+// shears the water in the cells beside it, or the thinner sheet that there is: in porous bodies with the gradient to
+// the wall, in clear water as wall_shear() says. nu (cells, null: `molecular`), porosity (cells, null: 1), mass (faces)
+// and the least mass of a face that holds water.
+template <int D>
+inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
+                                 const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
+  std::array<bool, 2 * D> hold;
+  for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
+  constexpr int up = D - 1;
+  const index nz = g.shape[up];
+  each_of<D>([&](auto axis) {
+    constexpr int a = decltype(axis)::value;
+    const auto shape = g.face_shape(a);
+    const index line = shape[up];
+    const double *v = u[a], *m = mass[a];
+    double* o = out[a];
+    std::array<double, D> inverse_h2;
+    for (int b = 0; b < D; ++b) inverse_h2[b] = 1.0 / (g.h[b] * g.h[b]);
+    parallel_for(
+        g.faces(a) / line,
+        [=](index r) {
+          const index row = r * line;
+          std::fill(o + row, o + row + line, 0.0);
+          const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
+          if (a != up && !g.periodic[a] && (i[a] == 0 || i[a] == g.shape[a])) return;
+          const auto beside = rows_beside<D>(g, i, shape);
+          const auto stride = Grid<D>::strides(g.shape);
+          auto cell = i;
+          if (a != up) cell[a] = inside(i[a] - 1, g.shape[a], true);
+          const index low = Grid<D>::flat(cell, stride);
+          if (a != up) cell[a] = inside(i[a], g.shape[a], true);
+          const index high = Grid<D>::flat(cell, stride);
+          for (index k = 0; k < line; ++k) {
+            const index f = row + k;
+            if (m[f] <= least || (a == up && !g.periodic[up] && (k == 0 || k == nz))) continue;
+            const index cl = a == up ? low + inside(k - 1, nz, true) : low + k, ch = a == up ? high + k % nz : high + k;
+            const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
+            const double nu_f = nu ? 0.5 * (nu[cl] + nu[ch]) : molecular;
+            double laplacian = 0.0, wall = 0.0;
+            each_of<D>([&](auto axis_b) {
+              constexpr int b = decltype(axis_b)::value;
+              index near[2];
+              for (int s = 0; s < 2; ++s) {
+                bool end;  // the neighbour is a face of the wall across a
+                if constexpr (b == up) {
+                  const index j = g.periodic[up] ? inside(k + (s ? 1 : -1), nz, true) : k + (s ? 1 : -1);
+                  near[s] = j < 0 || j >= line ? -1 : row + j;
+                  end = a == up && !g.periodic[up] && (j == 0 || j == nz);
+                } else {
+                  near[s] = beside[2 * b + s] < 0 ? -1 : beside[2 * b + s] + k;
+                  end = a == b && !g.periodic[b] && (s ? i[b] + 1 == g.shape[b] : i[b] == 1);
+                }
+                if (near[s] >= 0 && (m[near[s]] > least || end)) laplacian += (v[near[s]] - v[f]) * inverse_h2[b];
+              }
+              for (int s = 0; s < 2; ++s) {
+                if (near[s] >= 0 || !hold[2 * b + s]) continue;  // no wall along which this component runs
+                const double held = (m[f] + (near[1 - s] < 0 ? m[f] : m[near[1 - s]])) / g.cell_volume();
+                const double sheet = std::clamp(held, thinnest_sheet, 1.0) * g.h[b];
+                wall += n < 1.0 ? 2.0 * nu_f * v[f] * inverse_h2[b] : wall_shear(v[f], 0.5 * sheet, molecular) / sheet;
+              }
+            });
+            o[f] = (nu_f * laplacian - wall) / n;
+          }
+        },
+        16);
+  });
+}
+
+}  // namespace houle
