@@ -14,7 +14,7 @@ from scipy.ndimage import convolve1d, maximum_filter
 from scipy.optimize import brentq
 
 from houle.medium.integrals import Measure, with_tent
-from houle.medium.medium import partition
+from houle.medium.sections import partition
 from reference_transfer import close_periodic, fold, quadratic, stencil
 
 # ---- free surface ----------------------------------------------------------------------------------------------------

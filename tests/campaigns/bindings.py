@@ -36,7 +36,8 @@ from clouds import in_order, random_faces
 from houle import _core
 from houle.grid import Grid
 from houle.medium.columns import Capacity
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
 
 CPU_SECONDS, WALL_SECONDS = 5, 60  # of a call that hangs

@@ -15,7 +15,7 @@ import numpy as np
 
 from houle.errors import SimulationError
 from houle.flow.particles import Particles
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 
 CASE = {
     "case": {"name": "tank"},
@@ -78,7 +78,7 @@ class Simulation:
         g, p = self.grid, self.particles
         eta = np.where(g.axis_points(0) < 0.2, p.position[:, 1].max(), np.nan)
         ones = np.ones(len(p))
-        return Frame(
+        return Snapshot(
             self.time, self.steps, p.position.copy(), p.velocity.copy(), p.volume.copy(), ones, ones,
             g.cells(), g.cells(), np.zeros((*g.shape, 2)), g.cells(1.0), eta,
         )  # fmt: skip

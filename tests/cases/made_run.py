@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
 
 SINGLE = 2e-7  # relative rounding of float32, in which fields are stored
@@ -40,7 +40,7 @@ def made_grid(dimension=2):
 
 
 def made_frame(grid, index):
-    """Frame number `index`, 0.1 s apart, of a sloshing tank; the number of particles changes from frame to frame."""
+    """Snapshot number `index`, 0.1 s apart, of a sloshing tank; the number of particles changes from frame to frame."""
     d, t = grid.dimension, 0.1 * index
     level = 0.15 + 0.05 * np.cos(np.pi * grid.points()[..., 0, 0] / 0.9) * np.cos(6 * t)
     rng = np.random.default_rng(index)
@@ -48,7 +48,7 @@ def made_frame(grid, index):
     position = position[position[:, -1] < 0.15 + 0.05 * np.cos(np.pi * position[:, 0] / 0.9) * np.cos(6 * t)]
     count = len(position)
     eta = np.where(np.arange(grid.shape[0]) == 2, np.nan, level.T).T
-    return Frame(
+    return Snapshot(
         time=t,
         step=7 * index,
         position=position,
@@ -87,7 +87,7 @@ def write(outputs, grid, frames, rows):
 
 
 def assert_same_frame(got, wanted):
-    for field in dataclasses.fields(Frame):
+    for field in dataclasses.fields(Snapshot):
         a, b = np.asarray(getattr(got, field.name)), np.asarray(getattr(wanted, field.name))
         assert a.shape == b.shape, field.name
         np.testing.assert_allclose(a, b, rtol=SINGLE, atol=0, err_msg=field.name)

@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from made_run import assert_same_frame, made_case, made_frame, made_grid, write
 
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.output import (
     OutputError,
     Outputs,
@@ -59,7 +59,7 @@ def test_a_resumed_run_leaves_the_files_of_an_uninterrupted_one(tmp_path, packed
     np.testing.assert_array_equal(got.times, wanted.times)
     for index in range(7):
         one, other = got.frame(index), wanted.frame(index)
-        for field in dataclasses.fields(Frame):
+        for field in dataclasses.fields(Snapshot):
             np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name))
 
 

@@ -198,13 +198,13 @@ def test_data_beside_the_case_may_lie_in_the_result_folder(tank):
 
 
 def test_one_process_at_a_time_writes_a_folder(tank):
-    from houle.output.lock import held
+    from houle.output.lock import exclusive
 
     houle.run(tank, out="mine", until=0.1)
     words = rf"mine is being written by another houle \(process {os.getpid()}\)"
-    with held(Path("mine")), pytest.raises(CaseError, match=words):
+    with exclusive(Path("mine")), pytest.raises(CaseError, match=words):
         houle.resume("mine")
-    with held(Path("other")), pytest.raises(CaseError, match="other is being written by another houle"):
+    with exclusive(Path("other")), pytest.raises(CaseError, match="other is being written by another houle"):
         houle.run(tank, out="other")
     assert not list(Path("other").iterdir())
     assert houle.resume("mine").summary["finished"]

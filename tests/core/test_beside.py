@@ -8,7 +8,8 @@ import shapely
 
 from houle import _core
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon
 
 ROUND_OFF = 1e-12

@@ -12,7 +12,8 @@ from houle import _core
 from houle.flow.seeding import seed
 from houle.grid import Grid
 from houle.medium.columns import Capacity
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon
 
 TOP = 4.0  # m

@@ -14,7 +14,8 @@ from houle.flow.transfer import Pic
 from houle.grid import FloatArray, Grid
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
 
 FACE = 6  # of the gate, in cells

@@ -8,7 +8,8 @@ import shapely
 
 import reference
 from houle.grid import Grid
-from houle.medium.medium import CLOSED, Medium, PorousBody
+from houle.medium.medium import CLOSED, Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon, Shape
 
 ROUND_OFF = 1e-12

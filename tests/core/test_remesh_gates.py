@@ -14,7 +14,8 @@ from clouds import numbered, porosity_at
 from houle.flow.particles import Particles
 from houle.flow.remeshers import Conservative, Paper
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
 
 SHUT = 0.0

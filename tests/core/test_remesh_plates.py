@@ -15,7 +15,7 @@ from houle.flow.particles import Particles
 from houle.flow.remeshers import Conservative
 from houle.grid import FloatArray, Grid
 from houle.medium.interfaces import Interfaces
-from houle.medium.medium import PorousBody, partition
+from houle.medium.sections import PorousBody, partition
 from houle.medium.shapes import Box
 
 

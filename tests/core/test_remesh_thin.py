@@ -20,7 +20,8 @@ from houle import _core
 from houle.flow.particles import Particles
 from houle.flow.remeshers import Conservative
 from houle.grid import FloatArray, Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon
 
 DATA = Path(__file__).parent / "data"

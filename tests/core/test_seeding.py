@@ -11,7 +11,8 @@ from clouds import lattice
 from houle.flow.particles import Particles
 from houle.flow.seeding import SLIVER, Settled, seed
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon, Shape
 
 ROUND_OFF = 1e-12

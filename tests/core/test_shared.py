@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
 
 PLANE = Grid((12, 9), (0.1, 0.1), (False, False))

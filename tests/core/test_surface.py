@@ -18,7 +18,8 @@ from houle.flow.state import Flow
 from houle.flow.surface import find_surface, sort
 from houle.flow.transfer import Pic
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon
 
 levels = st.floats(0.05, 7.5)  # cells, in a tank of 8

@@ -6,7 +6,8 @@ import shapely
 
 from houle import _core
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box, Polygon
 
 ROCK = {"porosity": 0.45, "a": 300.0, "inertia": 1.4}

@@ -13,7 +13,8 @@ from houle import _core, load
 from houle.errors import SimulationError
 from houle.flow.simulation import Simulation
 from houle.grid import Grid
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.medium import Medium
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
 from houle.observe.bodies import BodyLoad
 from houle.validation.exact import bernoulli_jump, column_infiltration, duct_flow

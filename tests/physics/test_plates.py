@@ -12,7 +12,7 @@ from situations import simulation
 from campaigns.geometries import random_case, run
 from houle import load
 from houle.check.rules import check
-from houle.medium.plates import Thickened
+from houle.medium.thin_solids import Thickened
 
 H = 0.03
 PLACES = {"on a line": 0.48, "beside a line": 0.4863, "between lines": 0.495}

@@ -18,8 +18,8 @@ from houle.check.rules import expected_speed
 from houle.check.section import Body, Section
 from houle.check.waves import reach
 from houle.flow.rows import first_rows, memory
-from houle.medium.plates import at_width
 from houle.medium.resistance import Passport, passport
+from houle.medium.thin_solids import at_width
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -29,8 +29,9 @@ from houle.data import laboratory
 from houle.errors import CaseError
 from houle.flow.rows import first_rows, memory
 from houle.grid import MOST_NUMBERS, axes
-from houle.medium.plates import NEAR
-from houle.medium.shapes import enclosed, layers, polygons, section
+from houle.medium.sections import layers, section
+from houle.medium.shapes import enclosed, polygons
+from houle.medium.thin_solids import NEAR
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
 ENOUGH = 4.0  # below is a warning

@@ -13,8 +13,8 @@ from shapely.ops import polylabel
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.grid import FloatArray
-from houle.medium import shapes
-from houle.medium.plates import added
+from houle.medium import sections, shapes
+from houle.medium.thin_solids import solid_windows
 
 COLUMNS = 500  # looked at for the levels of the water
 
@@ -54,7 +54,7 @@ class Section:
         self.water = self._bodies("water")
         self.porous = self._bodies("porous")
         self.solid = self._bodies("solid")
-        self.layers = shapes.layers(self.grid, [b.shape for b in self.bodies])
+        self.layers = sections.layers(self.grid, [b.shape for b in self.bodies])
 
     @property
     def bodies(self) -> list[Body]:
@@ -67,12 +67,12 @@ class Section:
 
     def area(self, bodies: list[Body], layer: shapes.Span) -> shapely.Geometry:
         """What the bodies cover together of the domain's section in a layer."""
-        return shapes.section(self.grid, [b.shape for b in bodies], layer)
+        return sections.section(self.grid, [b.shape for b in bodies], layer)
 
     @property
     def windows(self) -> list[shapes.Box]:
         """What counts as solid besides what is drawn: the windows that thin solids part."""
-        return added(self.grid, [b.shape for b in self.solid])
+        return solid_windows(self.grid, [b.shape for b in self.solid])
 
     def overlap(self, one: list[Body], other: list[Body]) -> tuple[float, tuple[float, ...]]:
         """Area [m2] of the largest common section over the layers, and the bounds of it in x, z."""

@@ -24,7 +24,7 @@ LEAST = 0.01  # of a cell, that all water may fall: motion of no account, in wat
 
 
 @dataclass(frozen=True)
-class _Room:
+class _Pores:
     """Pores filled from below, each cell evenly between its lowest and its highest potential.
 
     level (K,) potentials at which cells begin or end [m2/s2]; share (K,) volume per potential above each of them;
@@ -37,7 +37,7 @@ class _Room:
     energy: FloatArray
 
     @classmethod
-    def of(cls, grid: Grid, pores: FloatArray, gravity: FloatArray) -> _Room:
+    def of(cls, grid: Grid, pores: FloatArray, gravity: FloatArray) -> _Pores:
         """pores: of the cells [m^d]; axes without gravity are summed over first."""
         pores = np.sum(pores, axis=tuple(np.flatnonzero(gravity == 0.0)))
         lines = [
@@ -70,7 +70,7 @@ class Budget:
         self.gravity = np.array(flow.gravity[: grid.dimension])
         self.endless = bool(np.any(self.gravity[list(grid.periodic)]))  # falls for ever: nothing bounds its energy
         self.gravity[list(grid.periodic)] = 0.0
-        self.room = _Room.of(grid, medium.porosity * medium.open_cells * grid.cell_volume, self.gravity)
+        self.pores = _Pores.of(grid, medium.porosity * medium.open_cells * grid.cell_volume, self.gravity)
         self.size = float(np.abs(self.gravity) @ np.array(grid.size))
         self.fall = LEAST * float(np.linalg.norm(self.gravity)) * max(grid.spacing)
 
@@ -78,7 +78,7 @@ class Budget:
         """With no air in it, all water would fall into the lowest pores."""
         volume = flow.particles.total_volume
         made = max(ledger.volume_drift(), 0.0) * volume * self.size
-        return max(ledger.start + ledger.given + made - self.room.lowest(volume), 0.0)
+        return max(ledger.start + ledger.given + made - self.pores.lowest(volume), 0.0)
 
     def check(self, flow: Flow, ledger: Ledger, density: float) -> None:
         """Raises SimulationError when the water moves with more energy than there was."""

@@ -15,7 +15,8 @@ import shapely
 from numpy.typing import NDArray
 
 from houle.grid import FloatArray, Grid
-from houle.medium.medium import Medium, partition
+from houle.medium.medium import Medium
+from houle.medium.sections import partition
 from houle.medium.shapes import spans_inside
 
 NEAR = 1e-6  # [cells] from the section on either side, what is solid there closes it; and of its ends in height

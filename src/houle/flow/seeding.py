@@ -28,8 +28,9 @@ from houle import _core
 from houle.flow.particles import Particles
 from houle.grid import FloatArray, Grid, widened
 from houle.medium.integrals import Measure
-from houle.medium.medium import LEAST, Medium, partition
-from houle.medium.shapes import Box, Shape, Span, section
+from houle.medium.medium import LEAST, Medium
+from houle.medium.sections import partition, section
+from houle.medium.shapes import Box, Shape, Span
 from houle.medium.solids import Outline
 
 SLIVER = 0.25  # of the pore volume of a half cell: less water joins the particle beside it

@@ -29,17 +29,18 @@ from houle.flow.remeshers import STRATEGIES
 from houle.flow.remeshing import TRAVEL, Remeshing
 from houle.flow.rows import first_rows, more_rows, raised
 from houle.flow.seeding import seed
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
 from houle.flow.surface import arrange, find_surface
 from houle.flow.transfer import make
 from houle.grid import FloatArray, axes
-from houle.medium.medium import Medium, PorousBody
+from houle.medium.columns import Storage
+from houle.medium.medium import Medium
 from houle.medium.resistance import coefficients, inertia_coefficient
+from houle.medium.sections import PorousBody
 from houle.medium.shapes import shape_of
-from houle.medium.storage import Room
 from houle.observe import Observers, Profile, at_points
 from houle.observe.held import water_held
 from houle.waves.piston import law_of, reading_of
@@ -68,7 +69,7 @@ class Simulation:
 
     def _build(self, rows: int) -> None:
         """The flow as the case describes it, on so many rows of cells, arranged, and what observes it."""
-        for kept in ("_room", "_profile"):
+        for kept in ("_storage", "_profile"):
             self.__dict__.pop(kept, None)
         case, grid = self.case, self.grid.lowest(rows)
         d, numerics = grid.dimension, case.numerics
@@ -321,16 +322,16 @@ class Simulation:
 
     def _mean_level(self) -> float:
         """The levels of the columns, and what those hold that have none: steep, overhanging, beside interfaces."""
-        return self._room.mean_level(self.flow.eta, self._room_along(), water_held(self.flow))
+        return self._storage.mean_level(self.flow.eta, self._between_walls(), water_held(self.flow))
 
     def _potential_energy(self) -> float:
         """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
         *along, down = self.flow.gravity
         if self.case.waves is None or any(along):
             return self.ledger.potential
-        return -down * self._room.height_moment(self.flow.eta, self._room_along())
+        return -down * self._storage.height_moment(self.flow.eta, self._between_walls())
 
-    def _room_along(self) -> FloatArray | None:
+    def _between_walls(self) -> FloatArray | None:
         """Share of each column of cells that is between the moving walls, grid.shape[:-1]; None without any."""
         flow = self.flow
         if not flow.paddles:
@@ -341,14 +342,14 @@ class Simulation:
         return share
 
     @cached_property
-    def _room(self) -> Room:
-        return Room.of(self.flow.grid, self.medium)
+    def _storage(self) -> Storage:
+        return Storage.of(self.flow.grid, self.medium)
 
     @cached_property
     def _profile(self) -> Profile:
         return Profile(self.flow)
 
-    def frame(self) -> Frame:
+    def frame(self) -> Snapshot:
         """Everything the writers and the pictures need of this instant, as copies."""
         flow, p, rho = self.flow, self.particles, self.case.fluid.density
         pressure, _ = at_points(flow, p.position)
@@ -356,7 +357,7 @@ class Simulation:
         wet = flow.fill > 1e-3
         dry = self.grid.shape[-1] - flow.grid.shape[-1]  # rows
         velocity = [raised(np.where(wet, u, 0.0), dry) for u in centre]
-        return Frame(
+        return Snapshot(
             time=self.time,
             step=self.steps,
             position=p.position.copy(),

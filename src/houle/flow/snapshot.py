@@ -8,7 +8,7 @@ from houle.grid import FloatArray
 
 
 @dataclass(frozen=True)
-class Frame:
+class Snapshot:
     """Particles: position, velocity (N, d), volume, porosity, pressure (N,). Cells: grid.shape, velocity (..., d)."""
 
     time: float

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from houle.grid import FloatArray, Grid, fixed
 from houle.medium.integrals import edges
-from houle.medium.medium import Medium, partition
+from houle.medium.medium import Medium
+from houle.medium.sections import partition
 
 NEAR = 1e-10  # [cells] heights nearer to each other are one
 NOTHING = 1e-12  # of a column's section: less is closed
@@ -68,6 +69,64 @@ class Capacity:
             return self
         own = zip(self.column.tolist(), np.split(self.pieces, self.start[1:-1]), strict=True)
         return self._joined({**dict(own), **pieces})
+
+
+@dataclass(frozen=True)
+class Storage:
+    """What each column of cells stores up to a level, by the mean open porosity of its cells: water and its height.
+
+    Both are exact up to the faces of cells, and between them where the porosity of the cell is one. Inside a cell that
+    an interface crosses they are linear, and `Capacity` is exact.
+
+    share (columns, nz) is the porosity times the open share of each cell. below (columns, nz + 1) is its integral over
+    z from the floor to the faces z_k [m], moment (columns, nz + 1) that of z times it [m2].
+    """
+
+    spacing: float  # upwards [m]
+    plan: float  # area of a column [m^(d-1)]
+    share: FloatArray
+    below: FloatArray
+    moment: FloatArray
+
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Storage:
+        h = grid.spacing[-1]
+        share = (medium.porosity * medium.open_cells).reshape(-1, grid.shape[-1])
+        middle = h * (np.arange(grid.shape[-1]) + 0.5)
+        below, moment = (np.pad(np.cumsum(part, axis=1), ((0, 0), (1, 0))) * h for part in (share, share * middle))
+        return cls(h, grid.cell_volume / h, share, below, moment)
+
+    def mean_level(
+        self,
+        eta: FloatArray,
+        along: FloatArray | None = None,
+        known: tuple[NDArray[np.bool_], FloatArray] | None = None,
+    ) -> float:
+        """Water below the levels eta (columns) [m], NaN where dry, over the plan area [m].
+
+        along is the share of each column that counts, between moving walls; None counts all. known names the columns
+        that count by water already known instead of by their level, and that water over their area [m].
+        """
+        water = np.zeros(eta.size)
+        wet, cell, z = self._top(eta)
+        water[wet] = self.below[wet, cell] + self.share[wet, cell] * (z - cell * self.spacing)
+        if known is not None:
+            water[known[0].ravel()] = known[1]
+        return float(np.mean(water) if along is None else np.sum(water * along.ravel()) / np.sum(along))
+
+    def height_moment(self, eta: FloatArray, along: FloatArray | None = None) -> float:
+        """Integral of z over the water below the levels eta [m^(d+1)]: its energy over density and gravity."""
+        wet, cell, z = self._top(eta)
+        moment = self.moment[wet, cell] + 0.5 * self.share[wet, cell] * (z**2 - (cell * self.spacing) ** 2)
+        return self.plan * float(np.sum(moment if along is None else moment * along.ravel()[wet]))
+
+    def _top(self, eta: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
+        """The wet columns, the cell that holds the level of each, and that level, not above the lid [m]."""
+        eta = eta.ravel()
+        wet = np.flatnonzero(eta > 0.0)
+        count = self.share.shape[1]
+        z = np.minimum(eta[wet], count * self.spacing)
+        return wet, np.minimum((z / self.spacing).astype(np.intp), count - 1), z
 
 
 @dataclass(frozen=True)

@@ -9,17 +9,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from houle.grid import FloatArray, Grid, beside, fixed, seen, spread
-from houle.medium.shapes import Span, covers, polygons, repeated
-
-if TYPE_CHECKING:
-    from houle.medium.medium import Part, PorousBody
+from houle.medium.sections import Layer, PorousBody, repeated
+from houle.medium.shapes import Span, covers, polygons
 
 REACH = 2  # cells from which particles and faces still see each other across an interface
 ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across
@@ -51,7 +49,7 @@ class Interfaces(NamedTuple):
 
     @classmethod
     def of(
-        cls, grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], body: NDArray[np.int8]
+        cls, grid: Grid, parts: Sequence[Layer], bodies: Sequence[PorousBody], body: NDArray[np.int8]
     ) -> Interfaces | None:
         """The interfaces between these bodies; None where the tank holds one medium. body: `Medium.body`."""
         media, _ = number_media(bodies)
@@ -114,7 +112,7 @@ class _Section(NamedTuple):
     edge: FloatArray  # (E, 2, 2) ends [m]
 
     @classmethod
-    def of(cls, grid: Grid, part: Part, media: NDArray[np.int8]) -> _Section:
+    def of(cls, grid: Grid, part: Layer, media: NDArray[np.int8]) -> _Section:
         span, solid, bodies = part
         areas = []
         for medium in np.unique(media[media > 0]):
@@ -258,7 +256,7 @@ class Shared(NamedTuple):
 
 
 def stand_along(
-    grid: Grid, parts: Sequence[Part], bodies: Sequence[PorousBody], interfaces: Interfaces | None,
+    grid: Grid, parts: Sequence[Layer], bodies: Sequence[PorousBody], interfaces: Interfaces | None,
     material: list[NDArray[np.int32]], materials: FloatArray,
 ) -> tuple[list[NDArray[np.int32]], FloatArray, list[Shared]]:  # fmt: skip
     """`Medium.material` and `Medium.materials` with the faces along which an interface runs, and those that two media

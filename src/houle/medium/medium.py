@@ -15,15 +15,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from houle.grid import Faces, FloatArray, Grid, SingleFaces, beside, fixed, seen, widened
 from houle.medium.integrals import Measure, around_faces, covered_faces, over_cells, with_tent
 from houle.medium.interfaces import Interfaces, Shared, stand_along
-from houle.medium.plates import SLIT, thickened
-from houle.medium.shapes import Shape, Span, covers, layers, section
+from houle.medium.sections import Layer, PorousBody, partition
+from houle.medium.shapes import Shape, covers
 from houle.medium.solids import ClosedFaces, Outline, closed_faces
+from houle.medium.thin_solids import SLIT, thickened
 
 FITTED = 1e-5  # of the porosity at particles: what its tents may be off
 LEAST = 0.5  # of the least porosity around a cell: what `particle_porosity` is at least
@@ -31,24 +31,6 @@ NEAR = 8  # cells from an interface: beyond, the porosity of particles is that o
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
 ROUND_OFF = 1e-9  # of shares that are compared with `SLIT`: what differs by less is equal to it
 OBLIQUE = 1e12  # `contrast` at oblique interfaces: more than the Bernoulli force is used at
-
-
-@dataclass(frozen=True)
-class PorousBody:
-    """A region of one porous material."""
-
-    name: str
-    shape: Shape
-    porosity: float
-    a: float = 0.0  # [1/s]
-    b: float = 0.0  # [1/m]
-    inertia: float = 1.0  # C_r
-    on_rate: bool = False  # whether the added mass stands before du/dt alone, and not before (u . grad) u
-
-    @property
-    def convective(self) -> float:
-        """K, the coefficient of the convective acceleration."""
-        return 1.0 if self.on_rate else self.inertia
 
 
 @dataclass(frozen=True)
@@ -203,28 +185,6 @@ class Medium:
         return [self.materials[number, column] for number in self.material]
 
 
-Part = tuple[Span, shapely.Geometry, list[shapely.Geometry]]  # span of y, section of the solids, sections of the bodies
-
-
-def partition(
-    grid: Grid, bodies: Sequence[PorousBody], solids: Sequence[Shape], also: Sequence[Shape] = ()
-) -> list[Part]:
-    """The domain as layers in y of disjoint sections: the solids, and each porous body without what replaces it.
-
-    also: other shapes whose sections must not change inside a layer either.
-    """
-    parts = []
-    for span in layers(grid, [*solids, *(b.shape for b in bodies), *also]):
-        solid = taken = section(grid, solids, span)
-        areas: list[shapely.Geometry] = []
-        for body in reversed(bodies):
-            whole = section(grid, [body.shape], span)
-            areas.insert(0, whole.difference(taken))
-            taken = taken.union(whole)
-        parts.append((span, solid, areas))
-    return parts
-
-
 class _Mean:
     """Averages over the open space of properties that are constant in each body and in clear water."""
 
@@ -366,7 +326,7 @@ def _fit_tents(
     return np.ascontiguousarray(np.maximum(n, LEAST * least))
 
 
-def _index_bodies(grid: Grid, parts: Sequence[Part]) -> NDArray[np.int8]:
+def _index_bodies(grid: Grid, parts: Sequence[Layer]) -> NDArray[np.int8]:
     """The body at the centre of each half cell, as in `Medium.body`."""
     lines = [(np.arange(2 * n) + 0.5) * h / 2 for n, h in zip(grid.shape, grid.spacing, strict=True)]
     x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")

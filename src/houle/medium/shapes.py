@@ -8,7 +8,6 @@ over the result. A shape is closed: its boundary belongs to it.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -18,8 +17,8 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from houle.errors import CaseError
-from houle.grid import FloatArray, Grid
 
+FloatArray = NDArray[np.float64]
 Span = tuple[float, float]  # of y; everything in 2D
 Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max
 SLIVER = 1e-12  # of the box around a ring: a face that is smaller comes from rounding
@@ -205,40 +204,6 @@ def pieces(shapes: Iterable[Shape]) -> list[Shape]:
     return found
 
 
-def layers(grid: Grid, shapes: Iterable[Shape]) -> list[Span]:
-    """The spans of y, from wall to wall, inside which the section of no shape changes. One in 2D."""
-    if grid.dimension == 2:
-        return [EVERYWHERE]
-    width = grid.size[1]
-    ends = {0.0, width} | {float(y) for shape in pieces(shapes) for y in shape.span if 0 < y < width}
-    return list(itertools.pairwise(sorted(ends)))
-
-
-def section(grid: Grid, shapes: Sequence[Shape], layer: Span = EVERYWHERE) -> shapely.Geometry:
-    """The part of the domain's (x, z) section that the shapes cover, together, in one of `layers`."""
-    here = [s for s in pieces(shapes) if s.span[0] <= layer[0] and layer[1] <= s.span[1]]
-    return shapely.union_all([s.section(_window(grid)) for s in here]) if here else shapely.Polygon()
-
-
-def repeated(grid: Grid, area: shapely.Geometry, mirrored: bool = False) -> shapely.Geometry:
-    """The area of a section with its copies on both sides of the domain along periodic axes, and if mirrored with its
-    images behind the walls.
-    """
-    for a, axis in ((0, 0), (1, -1)) if not area.is_empty else ():
-        size, unit = grid.size[axis], np.eye(2)[a]
-        copies = []
-        if grid.periodic[axis]:
-            copies = [_moved(area, np.ones(2), shift * unit) for shift in (-size, size)]
-        elif mirrored:
-            copies = [_moved(area, 1 - 2 * unit, 2 * wall * unit) for wall in (0.0, size)]
-        area = shapely.union_all([area, *copies]) if copies else area
-    return area
-
-
-def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
-    return shapely.transform(area, lambda points: factor * points + shift)
-
-
 def polygons(area: shapely.Geometry) -> NDArray[np.object_]:
     """The polygons in a geometry, without the lines and points in which shapes may touch."""
     parts = shapely.get_parts(shapely.get_parts(area))
@@ -267,7 +232,3 @@ def signed_distance(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> Flo
     shapely.prepare(outline)
     far = shapely.distance(outline, shapely.points(x, z))
     return np.where(covers(area, x, z), -far, far)
-
-
-def _window(grid: Grid) -> Window:
-    return (0.0, 0.0, grid.size[0], grid.size[-1])

@@ -19,7 +19,8 @@ from shapely.geometry.polygon import orient
 from houle import _core
 from houle.grid import FloatArray, Grid, SingleFaces, fixed, widened
 from houle.medium.integrals import section_moments
-from houle.medium.shapes import Shape, layers, polygons, repeated, section
+from houle.medium.sections import layers, repeated, section
+from houle.medium.shapes import Shape, polygons
 
 ON_OUTLINE = 1e-6  # [spacings] a face nearer to the outline lies on it
 

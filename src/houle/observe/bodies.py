@@ -7,7 +7,7 @@ import numpy as np
 from houle.flow.state import Flow
 from houle.grid import FloatArray
 from houle.medium.integrals import Measure, over_cells
-from houle.medium.medium import partition
+from houle.medium.sections import partition
 from houle.observe.profile import wet_share
 from houle.observe.surfaces import Load, moment
 

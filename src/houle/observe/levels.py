@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from houle.flow.state import Flow
 from houle.grid import FloatArray
-from houle.medium.plates import Thickened, behind_plates, on_their_side
+from houle.medium.plate_sides import behind_plates, on_their_side
 from houle.medium.shapes import Shape
+from houle.medium.thin_solids import Thickened
 from houle.observe.profile import Indices, SolidsAt, around, body_levels, mean_of_known
 
 THIN = 0.25  # cells of water on a solid that are not taken for its level: less than a layer of particles

@@ -7,7 +7,7 @@ import numpy as np
 from houle import _core
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
-from houle.medium.plates import behind_plates, on_their_side
+from houle.medium.plate_sides import behind_plates, on_their_side
 from houle.observe.profile import around
 
 
@@ -46,7 +46,7 @@ class Sensors:
 
     What is interpolated, linearly, is the part of the pressure beyond that of water at rest, p/rho - g.x: it has no
     gradient towards a fixed wall, and goes on above the last cell of the water to the surface. A dry sensor reads 0.
-    One on a thin plate reads the water on its side (`houle.medium.plates`).
+    One on a thin plate reads the water on its side (`houle.medium.plate_sides`).
     """
 
     def __init__(self, flow: Flow, points: FloatArray) -> None:

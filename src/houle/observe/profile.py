@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.integrals import edges
-from houle.medium.medium import Medium, partition
-from houle.medium.shapes import Shape, section, spans_inside
+from houle.medium.medium import Medium
+from houle.medium.sections import partition, section
+from houle.medium.shapes import Shape, spans_inside
 
 Indices = NDArray[np.intp]
 BESIDE = 1e-6  # [cells] what is solid on both sides of a line, so near, is so on the line

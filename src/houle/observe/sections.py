@@ -8,7 +8,8 @@ import shapely
 from houle.flow.crest import Crest
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
-from houle.medium.medium import Medium, partition
+from houle.medium.medium import Medium
+from houle.medium.sections import partition
 from houle.observe.profile import around, layer_at, open_spans, wet_share
 
 

@@ -17,8 +17,8 @@ import shapely
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.integrals import cut, cut_all, edges, section_moments, span_moments
-from houle.medium.medium import partition
-from houle.medium.shapes import Shape, Span, repeated, section
+from houle.medium.sections import partition, repeated, section
+from houle.medium.shapes import Shape, Span
 from houle.observe.points import cell_below, still_gravity
 from houle.observe.profile import Indices
 

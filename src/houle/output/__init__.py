@@ -38,7 +38,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
 from houle.observe import stations
 from houle.output.atomic import OutputError
@@ -90,7 +90,7 @@ class Outputs:
         """One row of gauges, sensors and ledger at a simulated time [s]."""
         self.series.append(time, sample)
 
-    def append_frame(self, frame: Frame) -> None:
+    def append_frame(self, frame: Snapshot) -> None:
         """One profile of the surface and one frame of the fields."""
         self.surface.append(frame)
         self.fields.append(frame)

@@ -22,7 +22,7 @@ import h5py
 import numpy as np
 
 from houle.errors import CaseError
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
 from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, OutputError, put_aside, regular, remove, reported, told
@@ -64,7 +64,7 @@ class FieldsWriter:
         self._due = 0.0  # when fields.vtkhdf may be written anew
         self._started = False
 
-    def append(self, frame: Frame) -> None:
+    def append(self, frame: Snapshot) -> None:
         """One more frame, float32 and compressed; too many in memory go to the disk."""
         self.pending.append(compress(frame))
         self._held += self.pending[-1].size
@@ -204,8 +204,8 @@ class FieldsReader:
         """Index of the frame nearest to a time [s]."""
         return int(np.argmin(np.abs(self.times - time)))
 
-    def frame(self, i: int) -> Frame:
-        """Frame i; negative i count from the end. eta comes from surface.nc, NaN when that file has no such time."""
+    def frame(self, i: int) -> Snapshot:
+        """Snapshot i; negative i count from the end. eta comes from surface.nc, NaN when that file has no such time."""
         count = len(self.stored)
         if not isinstance(i, Integral) or isinstance(i, bool) or not -count <= i < count:
             raise NoFrameError(
@@ -218,7 +218,7 @@ class FieldsReader:
                 values = read_values(file, stored, self.grid.dimension)
         except DAMAGES as error:
             raise OutputError(stored.path, f"frame {i} is damaged ({told(error)})", verb="read") from error
-        return Frame(
+        return Snapshot(
             time=stored.time,
             step=stored.step,
             position=values[POINTS],

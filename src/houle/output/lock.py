@@ -19,7 +19,7 @@ BEYOND = 4096  # the byte that is locked, behind the number of the process, whic
 
 
 @contextlib.contextmanager
-def held(directory: Path) -> Iterator[None]:
+def exclusive(directory: Path) -> Iterator[None]:
     """The folder, made if it is not there, for this process alone. Raises CaseError if another one writes it.
 
     File systems that know no locks are trusted.

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
@@ -43,7 +43,7 @@ def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: floa
 class _Film:
     """One figure for all frames: pressures, gates and the time change, the rest stands still."""
 
-    def __init__(self, section: Section, first: Frame, scale: Normalize) -> None:
+    def __init__(self, section: Section, first: Snapshot, scale: Normalize) -> None:
         self.section, page = section, section.sheet(1, "pressure of the particles", below=0.45)
         self.panel, self.canvas = page.panels[0], FigureCanvasAgg(page.figure)
         page.figure.set_dpi(drawing.DPI)
@@ -53,7 +53,7 @@ class _Film:
         page.label_outside("x [m]", "z [m]")
         colour_bar(page, self.marks, "pressure [kPa]")
 
-    def image(self, frame: Frame) -> NDArray[np.uint8]:
+    def image(self, frame: Snapshot) -> NDArray[np.uint8]:
         """One picture (height, width, 3)."""
         self.marks.set_data(self.section.pressures(frame, (self.marks.get_size()[1], self.marks.get_size()[0])))
         self.time.set_text(f"t = {frame.time:.3f} s")

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from houle.data import laboratory
 from houle.data.laboratory import Data
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
@@ -134,7 +134,7 @@ def _surface_words(case: Any, grid: Grid, points: laboratory.Points | None, scor
     return "  ·  ".join(words)
 
 
-def _pressure_words(section: Section, frames: Sequence[Frame]) -> str:
+def _pressure_words(section: Section, frames: Sequence[Snapshot]) -> str:
     particles = f"{max(len(frame.volume) for frame in frames):,}".replace(",", " ")
     words = f"pressure of the particles  ·  spacing {length(max(section.grid.spacing))}  ·  {particles} particles"
     return words + (f"  ·  section at y = {section.y:.3g} m" if section.grid.dimension == 3 else "")

@@ -11,10 +11,10 @@ from matplotlib.colors import Normalize
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
-from houle.medium.plates import added, at_width
 from houle.medium.shapes import shape_of
+from houle.medium.thin_solids import at_width, solid_windows
 from houle.output import drawing
 from houle.output.drawing import Sheet, sheet
 
@@ -33,7 +33,7 @@ class Section:
         self.y = float(grid.axis_points(1)[grid.shape[1] // 2]) if grid.dimension == 3 else 0.0
         self.porous = drawing.bodies(case.porous, grid, self.y)
         self.solid = drawing.bodies(case.solid, grid, self.y)
-        self.thickened = at_width(added(grid, [shape_of(s, grid.dimension) for s in case.solid]), self.y)
+        self.thickened = at_width(solid_windows(grid, [shape_of(s, grid.dimension) for s in case.solid]), self.y)
         tops = [float(body.outline[:, 1].max()) for body in (*self.porous, *self.solid)]
         self.bands = drawing.bands(case, self.y)
         highest = max([*(float(level) for level in levels), *tops], default=0.0)
@@ -95,7 +95,7 @@ class Section:
             ends = {"left": (0.0, float(wet.min())), "right": (self.grid.size[0], float(wet.max()))}
             drawing.draw_paddles(panel, [ends[side] for side in sorted(sides)])
 
-    def draw_particles(self, panel: Axes, frame: Frame, scale: Normalize) -> AxesImage:
+    def draw_particles(self, panel: Axes, frame: Snapshot, scale: Normalize) -> AxesImage:
         """The image of `pressures` at the pixels of the panel; for the next frame, set_data() is enough."""
         box = panel.get_window_extent()
         pixels = (round(box.width / panel.figure.dpi * drawing.DPI), round(box.height / panel.figure.dpi * drawing.DPI))
@@ -103,7 +103,7 @@ class Section:
         look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "nearest", "zorder": 2}
         return panel.imshow(self.pressures(frame, pixels), cmap=drawing.pressures(), norm=scale, extent=extent, **look)
 
-    def pressures(self, frame: Frame, pixels: tuple[int, int]) -> FloatArray:
+    def pressures(self, frame: Snapshot, pixels: tuple[int, int]) -> FloatArray:
         """[kPa] at the pixels (z, x) of a panel, NaN where no water is.
 
         A particle covers a rectangle a little larger than the space it fills (bulk volume); where they overlap, the
@@ -140,7 +140,7 @@ def _spread(values: FloatArray, reach: int, axis: int) -> FloatArray:
     return np.moveaxis(sums[2 * reach + 1 :] - sums[: -2 * reach - 1], 0, axis)
 
 
-def pressure_scale(frames: Iterable[Frame]) -> Normalize:
+def pressure_scale(frames: Iterable[Snapshot]) -> Normalize:
     """[kPa] from 0, or from the suction in closed ducts, to the largest pressure; a few outliers left out."""
     ends = np.array([np.quantile(f.pressure, (0.01, 0.999)) / 1e3 for f in frames if len(f.pressure)]).reshape(-1, 2)
     high = float(max([1e-3, *ends[:, 1]]))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.fields import find
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
 from houle.output import netcdf
 from houle.output.growing import Growing
@@ -30,7 +30,7 @@ class SurfaceWriter(Growing):
         super().__init__(Path(directory) / NAME, attributes)
         self.grid = grid
 
-    def append(self, frame: Frame) -> None:
+    def append(self, frame: Snapshot) -> None:
         """One profile."""
         self.add(frame.time, {"eta": np.asarray(frame.eta, dtype=float).T})
 

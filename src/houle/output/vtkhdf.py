@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.fields import Field, at, find
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
 from houle.output.atomic import DAMAGES, new_hdf5, regular
 from houle.output.series import describe
@@ -66,7 +66,7 @@ class Stored:
         return sum(len(data) for chunks in (self.chunks or {}).values() for _, data in chunks)
 
 
-def compress(frame: Frame) -> Stored:
+def compress(frame: Snapshot) -> Stored:
     """One frame in memory, float32 and compressed."""
     arrays, count = _arrays(frame), len(frame.volume)
     kinds = {name: (values.shape, values.dtype) for name, values in arrays.items()}
@@ -201,7 +201,7 @@ def _field(name: str) -> Field:
     return find("position" if last == "Points" else last, "particle" if block == "particles" else "centre")
 
 
-def _arrays(frame: Frame) -> dict[str, NDArray[np.float32]]:
+def _arrays(frame: Snapshot) -> dict[str, NDArray[np.float32]]:
     """What a part holds: particles (N,) or (N, 3), cells (nz, ny, nx) or (nz, ny, nx, 3)."""
     result = {POINTS: _spatial(frame.position)}
     for name in POINT_NAMES:

@@ -85,12 +85,12 @@ def run(
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
     from houle.flow.simulation import Simulation
     from houle.output.atomic import remove_leftovers
-    from houle.output.lock import held
+    from houle.output.lock import exclusive
 
     with clock.stage("set-up"):
         simulation = Simulation(case, threads)
     says.say(f"houle: writing to {directory}")
-    with held(directory):
+    with exclusive(directory):
         new_folder(case.case.name, directory)  # raises if another run was made there meanwhile
         remove_leftovers(directory)
         session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
@@ -110,7 +110,7 @@ def resume(
     says, directory = reporter(progress), checked_path(directory, "directory")
     says.say(f"houle: reading {directory}")
     from houle.output.atomic import remove_leftovers
-    from houle.output.lock import held
+    from houle.output.lock import exclusive
     from houle.running.restart import left, prolong, prolonged, restored
     from houle.running.session import Clock, Session
 
@@ -121,7 +121,7 @@ def resume(
         time = manifest["summary"]["time"]
         says.say(f"houle: {directory} is finished (t = {time:g} s); there is nothing to do")
         return Run(directory)
-    with held(directory):
+    with exclusive(directory):
         remove_leftovers(directory)
         if finished and until is not None:
             longer = prolonged(case, until)
@@ -247,7 +247,7 @@ class Run:
 
     @cached_property
     def fields(self) -> Any:
-        """The frames: .times [s], .frame(i) -> houle.flow.snapshot.Frame."""
+        """The frames: .times [s], .frame(i) -> houle.flow.snapshot.Snapshot."""
         from houle.output import read_fields
 
         return read_fields(self.directory)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from houle.flow.snapshot import Frame
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray
 from houle.validation.check import Check
 
@@ -28,7 +28,7 @@ def at_time(data: xr.DataArray, time: float) -> xr.DataArray:
     return data.sel(time=time, method="nearest", tolerance=5e-4)
 
 
-def water_left_of(x: FloatArray, frame: Frame) -> FloatArray:
+def water_left_of(x: FloatArray, frame: Snapshot) -> FloatArray:
     """Water [m2] (N,) to the left of the places x (N,) [m], from the particles: squares of bulk volume V / n (2D)."""
     side = np.sqrt(frame.volume / frame.porosity)
     share = (np.asarray(x)[:, None] - frame.position[:, 0] + side / 2) / side

@@ -22,14 +22,14 @@ from numpy.typing import NDArray
 
 from houle.grid import FloatArray, Grid
 from houle.medium.integrals import cut_all, edges
-from houle.medium.shapes import EVERYWHERE, Box, Shape, Span, Union, covers, layers, polygons, repeated, section
+from houle.medium.sections import layers, repeated, section
+from houle.medium.shapes import EVERYWHERE, Box, Shape, Span, Union, covers, polygons
 
 CRUMB = 1e-9  # of a window: less open space is no part of it; a face beside more may be open (`porous.CLOSED`)
 SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
 BEHIND = 1e-3  # of a window: less open space on one side of a slit is none
 BEVEL = 1.5  # of half a slit: how far the corners of solids reach where slits are looked for
 NEAR = 1e-6  # [cells]
-STEPS, FARTHEST = 16, 48  # a cell, and in all, in which a way out of the windows is looked for
 
 Lines = tuple[FloatArray, FloatArray]  # between windows along x and z [m]
 
@@ -282,7 +282,7 @@ def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: 
     return int((size > CRUMB * window * width.sum()).sum()) > 1
 
 
-def added(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
+def solid_windows(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
     """The windows that count as solid besides what is drawn."""
     whole = [solid for solid in thickened(grid, solids) if isinstance(solid, Thickened)]
     return [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
@@ -291,67 +291,3 @@ def added(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
 def at_width(boxes: Sequence[Box], y: float) -> list[Box]:
     """Those that reach over a y in 3D; all of them in 2D."""
     return [box for box in boxes if box.span[0] <= y <= box.span[1]]
-
-
-def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> FloatArray:
-    """Where to look for the water beside points (N, d) [m] on or beside a thin solid: those that lie in a window which
-    it parts, moved out of that, away from the solid as it is drawn.
-    """
-    found, spacing = points.copy(), min(grid.spacing)
-    for solid in solids:
-        if not isinstance(solid, Thickened):
-            continue
-        held = np.flatnonzero(solid.windows.contains(points))
-        away = _away(grid, solid.drawn, points[held], NEAR * spacing)
-        for step in np.arange(1, FARTHEST + 1) * (spacing / STEPS):
-            inside = solid.contains(found[held])
-            moved = points[held[inside]] + step * away[inside]
-            found[held[inside]] = np.where(grid.periodic, moved % grid.size, moved)
-    return found
-
-
-def behind_plates(grid: Grid, solids: Sequence[Shape], points: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
-    """Which of the other points (N, K, d) [m] a solid hides from the points (N, d), where both lie outside it.
-
-    Along periodic axes the nearest copy of the other point is looked at.
-    """
-    copies = np.zeros_like(others)
-    for axis in np.flatnonzero(grid.periodic):
-        copies[..., axis] = grid.size[axis] * np.round((others - points[:, None])[..., axis] / grid.size[axis])
-    hidden = _between(grid, solids, np.broadcast_to(points[:, None], others.shape), others - copies)
-    if copies.any():  # the other end of the way, where that leaves the domain
-        hidden |= _between(grid, solids, points[:, None] + copies, others)
-    return hidden
-
-
-def _between(grid: Grid, solids: Sequence[Shape], start: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
-    """Whether a solid lies between two points (N, K, d) [m] that lie outside it."""
-    hidden = np.zeros(start.shape[:2], bool)
-    if not solids or not start.size:
-        return hidden
-    line = shapely.linestrings(np.stack([start, end], axis=2)[..., [0, -1]])
-    y0, y1 = np.minimum(start[..., 1], end[..., 1]), np.maximum(start[..., 1], end[..., 1])
-    for low, high in layers(grid, solids):
-        area = section(grid, solids, (low, high))
-        inside = shapely.contains(area, shapely.points(start[..., [0, -1]]))
-        free = ~inside & ~shapely.intersects(area, shapely.points(end[..., [0, -1]]))
-        between = free & (shapely.length(shapely.intersection(area, line)) > NEAR * grid.spacing[0])
-        if grid.dimension == 3:
-            between &= (low <= start[..., 1]) & (start[..., 1] <= high)
-            between |= inside & (y0 <= low) & (high <= y1)  # as thin in y
-        hidden |= between
-    return hidden
-
-
-def _away(grid: Grid, shape: Shape, points: FloatArray, step: float) -> FloatArray:
-    """The way out of a shape, or away from it and its copies along periodic axes, (N, d), of length 1: the gradient of
-    the signed distance.
-    """
-    by = [(-size, 0.0, size) if wraps else (0.0,) for size, wraps in zip(grid.size, grid.periodic, strict=True)]
-
-    def distance(at: FloatArray) -> FloatArray:
-        return np.min([shape.distance(at + np.array(copy)) for copy in product(*by)], axis=0)
-
-    ends = [[distance(points + side * step * axis) for side in (-1, 1)] for axis in np.eye(points.shape[1])]
-    slope = np.stack([high - low for low, high in ends], axis=-1) / (2.0 * step)
-    return slope / np.maximum(np.linalg.norm(slope, axis=-1, keepdims=True), 1e-12)
