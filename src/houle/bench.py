@@ -28,7 +28,7 @@ TRIAD_BLOCK = 1 << 16  # doubles per block: few enough to stay in a cache, enoug
 
 @dataclass(frozen=True)
 class Job:
-    """What to measure, `times` times: `steps` steps of a case after `warm` others."""
+    """An order to measure `times` times: `steps` steps of a case after `warm` others."""
 
     title: str
     case: str
@@ -56,7 +56,7 @@ class Measured:
     walls: list[float]
     cpus: list[float]
     operations: dict[str, list[float]]
-    iterations: tuple[float, float]  # of the pressure and of the correction solver, mean per step
+    iterations: tuple[float, float]  # mean per step, pressure solver and correction solver
     memory: float | None  # peak of the whole process, setting up included; None where the system does not tell
     stepping: float | None  # peak while stepping
     triad: float  # [bytes/s]

@@ -244,7 +244,7 @@ class Steady(io.TextIOWrapper):
             self._drop()
 
     def _drop(self) -> None:
-        """From now on, and what is still in the buffer, to where everything is lost."""
+        """Sends the output from now on, and what is still in the buffer, to where everything is lost."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self.fileno())
         os.close(nowhere)
@@ -272,7 +272,7 @@ def open_descriptors() -> None:
 
 def main() -> None:
     """Entry point of the command `houle`."""
-    gc.set_threshold(250_000)  # what is imported stays: looking through it for garbage over and over costs 0.4 s a run
+    gc.set_threshold(250_000)  # imported objects stay: looking through them for garbage over and over costs 0.4 s a run
     open_descriptors()
     sys.stdout, sys.stderr = steady(sys.stdout, 1), steady(sys.stderr, 2)
     atexit.register(gc.freeze)  # and at the end, when all is given back anyway, another 0.3 s

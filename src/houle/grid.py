@@ -19,7 +19,7 @@ from houle.errors import CaseError
 
 FloatArray = NDArray[np.float64]
 SingleFaces = list[NDArray[np.float32]]
-MOST_NUMBERS = 2**31 - 2  # of cells, of particles: with 32 bits, and one more where lists of them end
+MOST_NUMBERS = 2**31 - 2  # most cells, and most particles, numbered with 32 bits; lists of them end at one more
 Faces = list[FloatArray]  # one array per axis, entry i of axis a on the face at i h_a
 
 

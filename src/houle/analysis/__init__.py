@@ -1,4 +1,4 @@
-"""What waves did, from gauges: of a run of ours, of another program, or of a laboratory.
+"""Answers from gauges about waves, be the gauges those of a run of houle, of another program or of a laboratory.
 
     from houle import analysis
 

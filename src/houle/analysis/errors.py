@@ -1,4 +1,4 @@
-"""What an analysis says when the data cannot carry the answer."""
+"""AnalysisError: the data cannot carry the answer."""
 
 from houle.errors import HouleError
 

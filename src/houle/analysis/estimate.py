@@ -1,4 +1,4 @@
-"""From gauges and a window to coefficients with their intervals: regular, irregular waves, the paper's formula."""
+"""Coefficients with their intervals, from gauges and a window: regular waves, irregular waves, the paper's formula."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from houle.analysis.uncertainty import bootstrap, half_width, subsets
 from houle.analysis.window import Window
 from houle.waves.dispersion import wave_number
 
-RESIDUAL = 0.1  # of the amplitude, above which a note is due
+RESIDUAL = 0.1  # share of the amplitude: a larger residual is told in a note
 NONE = (float("nan"), float("nan"))
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked: gauges with the incident wave going to +x, and when; see reflection()."""
+    """A question to the gauges: the record with the incident wave going to +x, and the window; see reflection()."""
 
     kind: str
     method: str
@@ -200,7 +200,7 @@ def _answer(
 
 
 def _impossible(values: dict[str, float], spans: list[tuple[float, float]]) -> list[str]:
-    """What no structure does by itself, when the intervals leave no doubt."""
+    """Notes on coefficients that no structure has, written when the intervals leave no doubt."""
     if values["C_R"] > 1.0 and not spans[0][0] <= 1.0:
         return [
             f"C_R = {values['C_R']:.3g} is above 1, which no structure does that only stands there: incident and "

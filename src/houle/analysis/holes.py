@@ -16,12 +16,12 @@ from houle.analysis.errors import AnalysisError
 from houle.data.csv_table import missing_codes
 
 Real = NDArray[np.float64]
-UNITS = (1.0, 1e-2, 1e-3)  # in which a code may have been written before it became metres
+UNITS = (1.0, 1e-2, 1e-3)  # units [m] in which a code for missing values may have been written
 HIGHEST = 1e5  # m: no level of water
-ROUNDED = 0.3  # of the interval, by which times may be off even ones: written with few digits
-TOLD = 0.02  # of it, above which that is said
+ROUNDED = 0.3  # share of the interval: rounded times may be off even ones by so much
+TOLD = 0.02  # share of the interval: times farther off are told in a note
 HOLE = 1.5  # intervals between two samples
-SHORT = 0.1  # of the mean period: holes as short as that are bridged by a straight line
+SHORT = 0.1  # share of the mean period: shorter holes are bridged by a straight line
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def largest_pressure(time: ArrayLike, pressure: ArrayLike, *, window: float | No
 
 
 def _sides(t: FloatArray, p: FloatArray, top: int, way: int) -> tuple[float, float]:
-    """Where the record falls to half of its largest value on one side, and where it stops falling [s]."""
+    """Times [s] on one side of the largest value: where the record is at half of it, and where it stops falling."""
     half, i = p[top] / 2, top
     if half <= 0.0:  # dry
         return float(t[top]), float(t[top])

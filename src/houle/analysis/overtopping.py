@@ -121,7 +121,7 @@ def _bridged(t: Floats, v: Floats, falls: list[Fall]) -> tuple[Floats, float]:
 
 def _with_falls(found: Stairs, falls: list[Fall]) -> tuple[Floats, float]:
     """Standard errors of the steps, and of them all, with those of the falls in the pauses beside them."""
-    variance = np.zeros(len(found.first) + 1)  # of each pause
+    variance = np.zeros(len(found.first) + 1)  # variance of the record in each pause
     for fall in falls:
         variance[np.searchsorted(found.first, fall.start)] += fall.error**2
     errors = np.sqrt(found.errors**2 + variance[1:] + variance[:-1])

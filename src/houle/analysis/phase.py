@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from houle.analysis.errors import AnalysisError
 from houle.analysis.records import Gauges
 
-ROUND_OFF = 1e-13  # of the highest level at the gauges: amplitudes below it are none
+ROUND_OFF = 1e-13  # share of the highest level at the gauges: a smaller amplitude counts as none
 SMALL = 0.15  # rad over the window: costs 1e-3 of the height
 MOST = np.pi  # rad over the window that is followed
 OFF = 0.02  # part of the period that is followed
@@ -125,5 +125,5 @@ def _require_the_wave(g: Gauges, omega: float) -> None:
     near = power[low:high]
     if len(near) and float(near.max()) > AWAY * own:
         low, high = max(1, int(omega / (WIDE * line))), int(WIDE * omega / line) + 1
-        fits = line * (low + int(np.argmax(power[low:high])))  # what is seen may be the flank of a wave farther off
+        fits = line * (low + int(np.argmax(power[low:high])))  # this may be the flank of a wave farther off
         _refuse(omega, fits, float(g.time[-1] - g.time[0]))

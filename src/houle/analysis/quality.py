@@ -1,4 +1,4 @@
-"""How good are the waves themselves? Measured at the gauges of an empty flume, and put beside every C_R.
+"""Quality of the waves themselves. It is measured at the gauges of an empty flume, and put beside every C_R.
 
 The amplitude at x of a wave that decays by itself and of what the far end sends back is
 
@@ -25,7 +25,7 @@ from houle.analysis.records import Gauges, as_gauges
 from houle.analysis.waves import harmonics
 from houle.waves.dispersion import GRAVITY, wave_number
 
-DATUM = 0.5  # of the height of the waves (or of a tenth of the depth): farther off, a mean level has another zero
+DATUM = 0.5  # wave heights (or tenths of the depth): a mean level farther off has another zero
 
 
 @dataclass(frozen=True)

@@ -104,7 +104,7 @@ def _evenly(t: Real) -> Real:
 
 
 def _digits(t: Real) -> int:
-    """How many decimals the times are written with, 12 at most: fewer than their interval needs."""
+    """Number of decimals of the written times, 12 at most, where it is fewer than their interval needs."""
     wanted = (d for d in range(12) if np.all(np.abs(np.round(t, d) - t) < 1e-9 * max(1.0, float(np.abs(t).max()))))
     return next(wanted, 12)
 
@@ -120,7 +120,7 @@ def _longest(t: Real, bad: NDArray[np.intp]) -> str:
 def as_gauges(
     source: Any, chosen: Sequence[str | int] | None = None, window: tuple[float, float] | None = None
 ) -> Gauges:
-    """From a Gauges, a houle Run, an xarray Dataset like series.nc, a tuple (time, x, eta), or a path (see read).
+    """Gauges, made from Gauges, a Run of houle, a Dataset like series.nc, a tuple (time, x, eta) or a path (see read).
 
     Only the chosen gauges and the samples in the window need to be wet. surface.nc, eta(time, x), works too: every
     column of cells is a gauge (2D). Raises AnalysisError.
@@ -278,7 +278,10 @@ def _has_unit(table: Table, column: int, units: dict[str, float]) -> bool:
 
 
 def _scale(path: Any, table: Table, column: int, units: dict[str, float], placed: bool) -> float:
-    """What turns a column into m or s. Raises AnalysisError for another unit, or for one that may be of the place."""
+    """Factor that turns a column into m or s.
+
+    Raises AnalysisError for another unit, or for one that may be that of the place.
+    """
     name, below = table.names[column], table.units[column].strip("[](){} ")
     unit = unit_of(name)[1]
     if unit and below and unit.lower() != below.lower():
@@ -313,7 +316,7 @@ def _equal(one: Real, other: Real) -> bool:
 
 
 def _like_a_gauge(table: Table) -> bool:
-    """Whether the first column is named like the others: W1, W2; x=0.5, x=1.0."""
+    """True if the first column is named like the others: W1, W2; x=0.5, x=1.0."""
     stems = [re.sub(r"[-+.\d]+", "", unit_of(name)[0]).strip().lower() for name in table.names]
     return bool(table.names[0]) and ((len(stems) > 1 and stems[0] == stems[1]) or stems[0].startswith("x="))
 

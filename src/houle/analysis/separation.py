@@ -36,7 +36,7 @@ def weights(k: ArrayLike, x: ArrayLike) -> Real:
 
 
 def spread(k: ArrayLike, x: ArrayLike) -> Real:
-    """How well the places tell the two waves apart: 0 not at all (all half wavelengths apart), 1 as well as can be.
+    """Sharpness with which the places tell the two waves apart: 0 not at all (half wavelengths apart), 1 best.
 
     sqrt(1 - |mean of exp(2 i k x)|^2), of the shape of k; for two gauges |sin(k (x2 - x1))|.
     """

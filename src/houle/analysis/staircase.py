@@ -17,19 +17,19 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 SURE = 3.0  # standard errors of a step that is one
-SETTLING = 1.0 / 3.0  # of a pause, in which the water in the tank still swings
-END = 0.1  # of a pause, in which the next step may already begin
+SETTLING = 1.0 / 3.0  # share of a pause in which the water in the tank still swings
+END = 0.1  # share of a pause in which the next step may already begin
 SWING = 2.5  # times the duration of a fall, in which a swing has gone up before and after it
 MORE = 1.5  # times the noise with no drift, with one there is not more
-UPWARDS = 0.3  # of what its steps hold, a drift upwards may take off; more is water that comes over all the time
+UPWARDS = 0.3  # largest drift upwards, as a share of the steps; more is water that comes over all the time
 LAGS = (1.0, 3.0, 10.0)  # times the time to climb, over which the usual slope of a record is looked for
-FALLS = 10  # that a record must have before they are its noise
-BAND = 8.0  # of the median fall: what noise does not fall by
+FALLS = 10  # least number of falls in a record that are its noise
+BAND = 8.0  # median falls: noise never falls by more
 ALIKE = 20  # changes that a record must have to be a count of units; units that half of them have at most
-ROUND_OFF = 1e-12  # of a record: less is no noise
-BINS = 64  # of a histogram of times
+ROUND_OFF = 1e-12  # share of the record: less is no noise
+BINS = 64  # bins in a histogram of times
 EDGE = 200  # samples on each side of a fall from which its height is taken, at most
-SMOOTH = 0.125  # of the time that divides standing from climbing: half of a running mean
+SMOOTH = 0.125  # half width of the running mean, as a share of the time that divides standing from climbing
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def stairs(t: Floats, v: Floats, pause: float) -> Stairs:
 
 
 def trembles(v: Floats) -> bool:
-    """Whether the record has noise, or is counted in units."""
+    """True if the record has noise, false if it is counted in units."""
     return counted_in(v) > 0.0 or noise_of_falls(v) > 0.0
 
 
@@ -140,7 +140,7 @@ def counted_in(v: Floats) -> float:
 
 
 def _flats(first: Indices, last: Indices, count: int) -> list[slice]:
-    """Where the record stands before, between and after the steps, once the water has settled."""
+    """Levels of the record before, between and after the steps, once the water has settled."""
     begin, end = np.append(0, last), np.append(first, count - 1) + 1
     settled, still = begin + ((end - begin) * SETTLING).astype(int), end - ((end - begin) * END).astype(int)
     settled[0], still[-1] = 0, count
@@ -258,7 +258,7 @@ def emptyings(t: Floats, v: Floats, pause: float) -> list[Fall]:
 
 
 def _swings(t: Floats, v: Floats, fall: Fall) -> bool:
-    """Whether the record rose by half of a fall just before it, and again just after it, as fast."""
+    """True if the record rose by half of a fall just before it, and again just after it, as fast."""
     took = SWING * (t[fall.end] - t[fall.start])
     before, after = np.searchsorted(t, [t[fall.start] - took, t[fall.end] + took])
     half = 0.5 * (v[fall.start] + v[fall.end])
@@ -266,7 +266,7 @@ def _swings(t: Floats, v: Floats, fall: Fall) -> bool:
 
 
 def _goes_back(t: Floats, v: Floats, fall: Fall, pause: float) -> bool:
-    """Whether a fall at the end of a record without noise can be the water of its last step."""
+    """True if a fall at the end of a record without noise can be the water of its last step."""
     before = stairs(t, v, pause)
     if len(before.heights) == 0:
         return True
@@ -302,7 +302,7 @@ def _falls(v: Floats, size: float) -> list[Fall]:
 
 
 def _fall(v: Floats, peak: int, hollow: int, size: float) -> Fall:
-    """Where the record leaves the level before and reaches that after, and the difference of the two."""
+    """Indices at which the record leaves the level before and reaches the level after, and the rise between [m]."""
     near = min(size, (v[peak] - v[hollow]) / 3.0)
     middle = peak + int(np.flatnonzero(v[peak : hollow + 1] >= 0.5 * (v[peak] + v[hollow]))[-1])
     start = peak + int(np.flatnonzero(v[peak : middle + 1] >= v[peak] - near)[-1])

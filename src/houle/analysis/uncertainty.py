@@ -1,4 +1,4 @@
-"""How far a coefficient can be trusted: resampling of periods or frequencies, and disagreement between gauges.
+"""Uncertainty of a coefficient: resampling of periods or frequencies, and disagreement between gauges.
 
 Moving blocks: Kunsch (1989) Ann. Statist. 17, 1217-1241; circular, of n^(1/3) neighbours. The random numbers are
 seeded: the same record gives the same interval.

@@ -1,4 +1,4 @@
-"""What a record of the surface holds: harmonics, period, waves between zero crossings, spectra and moments.
+"""Contents of a record of the surface: harmonics, period, waves between zero crossings, spectra and moments.
 
 Records may have holes, as NaN, as codes (-9999) or as times that are missing: see holes.py for what becomes of them.
 """

@@ -1,4 +1,4 @@
-"""What the command does, from the first word to the page."""
+"""`houle reproduce`, from the first word to the page."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class WaveRun:
-    """What a run with waves says of its block."""
+    """Results of a run with waves about its block."""
 
     job: Job
     run: Run
@@ -230,7 +230,7 @@ class Found:
 
 
 def gather(folder: Path, jobs: Sequence[Job], runs: Mapping[str, Run]) -> Found:
-    """What these runs of the plan in this folder say."""
+    """Results of these runs of the plan in this folder."""
     there = [(job, runs[job.name]) for job in jobs if job.name in runs]
     dams = {(job.of, job.scheme): run for job, run in there if job.part == "dam-break"}
     names = list(dict.fromkeys(of for of, _ in dams))

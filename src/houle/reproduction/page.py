@@ -297,7 +297,7 @@ def _words(found: Found) -> dict[str, str]:
 
 
 def _spread(found: Found) -> str:
-    """From where to where the two columns of the upright block with the lowest waves go."""
+    """Ranges of the two columns of the upright block with the lowest waves."""
     low = min(p.height for p in found.table)
     runs = [w for part in ("table", "sensitivity") for w in found.of(part, 90, low) if w.entry]
     if not runs:

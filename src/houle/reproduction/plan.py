@@ -1,4 +1,4 @@
-"""What is computed to reproduce a paper: the runs listed in the plan.toml of its folder, as cases."""
+"""The plan of a reproduction: the runs listed in the plan.toml of its folder, as cases."""
 
 from __future__ import annotations
 

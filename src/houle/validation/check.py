@@ -1,4 +1,4 @@
-"""What a comparison says: one number, the target it is held against, and what others reach on the same case."""
+"""Result of a comparison: one number, the target it is held against, and what others reach on the same case."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from houle.analysis import Reflection, Scatter
     from houle.running.runner import Run
 
-FRICTION = np.linspace(0.05, 1.2, 24)  # of the curves
+FRICTION = np.linspace(0.05, 1.2, 24)  # friction factors of the curves
 HEAD = ("variant", "T s", "n", "f", "behind", "H_I mm", "C_R", "95 %", "theory", "C_T", "95 %", "theory")
 PERIODS = {1.0: LINES[0], 1.5: LINES[1], 2.0: LINES[2]}  # s -> colour
 MARGINS = (0.62, 0.25, 0.8, 0.95)  # inches: left, right, bottom with the key, top
@@ -34,7 +34,7 @@ class Row:
     variant: str
     wall: bool
     porosity: float
-    width: float  # of the block [m]
+    width: float  # width of the block [m]
     forchheimer: bool
     found: Reflection
     known: Scatter

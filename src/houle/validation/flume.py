@@ -20,7 +20,7 @@ GAUGES = (0.0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9, 1.0, 1.2, 1.3, 1.5, 1.6, 1.8)  # m 
 BEHIND = (0.4, 0.5, 0.7, 0.8)  # m after the structure
 PER_LENGTH = 5  # gauges of an empty flume in a wavelength
 GAP = 0.5  # m between zone, gauges and structure: the modes that do not travel have died out there
-RAMP_SETTLE, PERIODS = 4.0, 5.0  # of the window: see analysis.choose_window
+RAMP_SETTLE, PERIODS = 4.0, 5.0  # settling and length of the window, in periods: analysis.choose_window
 
 
 def block(

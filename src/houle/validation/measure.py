@@ -1,4 +1,4 @@
-"""What the comparisons read out of a run. Everything here takes arrays or xarray objects and knows no case."""
+"""Measurements for the comparisons. Everything here takes arrays or xarray objects and knows no case."""
 
 from __future__ import annotations
 

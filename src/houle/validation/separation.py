@@ -1,4 +1,4 @@
-"""What the separation makes of signals whose waves are known, at the gauges of a run: exact, and with noise."""
+"""Test of the separation on signals with known waves at the gauges of a run: exact ones, and with noise."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from houle.grid import FloatArray
     from houle.running.runner import Run
 
-C_R, PHASE = 0.25, 0.7  # of the reflected wave
+C_R, PHASE = 0.25, 0.7  # ratio and phase of the reflected wave
 EXACT = 1e-8
 NOISE, RECORDS, PERIODS, STEP = 0.05, 40, 5, 0.02  # standard deviation over H; records; periods of each; sampling [s]
 BIAS = 2.5  # standard errors of the mean of the records: larger by chance once in 80

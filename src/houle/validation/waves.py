@@ -1,4 +1,4 @@
-"""What the comparisons of flumes with waves have in common: the window, the quality card, the second harmonic."""
+"""Common parts of the comparisons of flumes with waves: the window, the quality card, the second harmonic."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 DATA = Path(__file__).parent / "data"
 POINTS, TABLE = read_points(DATA / "front.csv"), read_points(DATA / "table2.csv")
 WIDTH = 0.05715  # a [m]
-DELAY = 0.175  # of the laboratory's clock, in T, as stated in the literature; nothing else is shifted
+DELAY = 0.175  # delay of the laboratory's clock, in T, as stated in the literature; nothing else is shifted
 THICKNESS = WIDTH / 20  # m, of the water that counts as the front
 MEAN, WORST = 3.0, 8.0  # %
 

@@ -1,4 +1,4 @@
-"""What a submerged porous block does to a solitary wave. No open data: numbers to compare with, not targets."""
+"""A submerged porous block changes a solitary wave. No open data: numbers to compare with, not targets."""
 
 from __future__ import annotations
 
