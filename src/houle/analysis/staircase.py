@@ -302,7 +302,7 @@ def _falls(v: Floats, size: float) -> list[Fall]:
 
 
 def _fall(v: Floats, peak: int, hollow: int, size: float) -> Fall:
-    """Indices at which the record leaves the level before and reaches the level after, and the rise between [m]."""
+    """The fall between a peak and a hollow: indices where it begins and ends, upper level, height and its error [m]."""
     near = min(size, (v[peak] - v[hollow]) / 3.0)
     middle = peak + int(np.flatnonzero(v[peak : hollow + 1] >= 0.5 * (v[peak] + v[hollow]))[-1])
     start = peak + int(np.flatnonzero(v[peak : middle + 1] >= v[peak] - near)[-1])
