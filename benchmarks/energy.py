@@ -15,6 +15,7 @@ from itertools import product
 import numpy as np
 
 import houle
+from houle.case.build import build
 from houle.flow.simulation import Simulation
 from houle.validation.exact import standing_wave_frequency
 
@@ -42,7 +43,9 @@ NAMES = {
 def measure(keys: dict, spacing: float, step: float, periods: int) -> str:
     """One row of the table."""
     overrides = {"domain.spacing": spacing, "time.step": step, "time.end": 1e3}
-    simulation = Simulation(houle.load("standing-wave", overrides | {f"numerics.{k}": v for k, v in keys.items()}))
+    simulation = Simulation(
+        build(houle.load("standing-wave", overrides | {f"numerics.{k}": v for k, v in keys.items()}))
+    )
     period = 2.0 * np.pi / standing_wave_frequency(AMPLITUDE, np.pi / LENGTH, DEPTH, 9.81)
     time, wave = [], []
     try:

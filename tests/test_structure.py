@@ -2,6 +2,8 @@
 
 import ast
 import re
+import subprocess
+import sys
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -44,7 +46,15 @@ LAYERS = (
         "flow.viscosity",
     }
     | {"flow.workspace"}
-    | {"case.tables", "waves", "boundary.open_side", "boundary.makers", "boundary.sponge", "boundary.finite_source"},
+    | {
+        "case.tables",
+        "case.wave",
+        "waves",
+        "boundary.open_side",
+        "boundary.makers",
+        "boundary.sponge",
+        "boundary.finite_source",
+    },
     {"flow.state", "boundary.protocol", "boundary.paddle", "boundary.absorbing", "flow.transfer", "flow.ledger"},
     {
         "flow.surface",
@@ -58,15 +68,17 @@ LAYERS = (
         "boundary.exchange",
         "flow.budget",
     },
-    {"flow.step"},
+    {"flow.step", "flow.setup"},
     {
         "case.consistency",
         "case.model",
+        "case.build",
         "flow.rows",
         "check.section",
         "check.waves",
         "check.open_sides",
         "check.paddles",
+        "check.passport",
         "check.rules",
         "data.laboratory",
     },
@@ -163,6 +175,23 @@ def test_imports_go_down(module):
 
 def test_no_import_comes_round():
     list(TopologicalSorter(IMPORTS).static_order())  # raises CycleError, which names the cycle
+
+
+def test_the_solver_knows_no_case_file():
+    """Not by an import that its types alone need, either; and what reads case files is not loaded with it."""
+    solver = ("flow", "medium", "boundary", "waves", "observe")
+    above = re.compile(r"houle\.(case|output|running|check|results)\b|\bpydantic\b")
+    for name, path in MODULES.items():
+        if name.partition(".")[0] in solver:
+            assert not above.search("\n".join(import_lines(path))), name
+    told = "import sys, houle.flow.step, houle.flow.simulation; print('pydantic' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", told], capture_output=True, text=True).stdout.split() == ["False"]
+
+
+def import_lines(path: Path) -> list[str]:
+    """Every import of a module, wherever it stands."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
 
 
 def test_relative_imports_are_not_used():

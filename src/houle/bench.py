@@ -168,12 +168,13 @@ def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps
     """Steps of a case in this process, nothing written."""
     import numpy as np
 
+    from houle.case.build import build
     from houle.case.model import load
     from houle.flow.simulation import Simulation
 
     loaded = load(case, overrides)
     before = peak_memory()
-    simulation = Simulation(loaded, threads)
+    simulation = Simulation(build(loaded), threads)
     setting_up = peak_memory()
     forgotten = forget_peak()
     for _ in range(warm):

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from houle import load
+from houle.case.build import build
 from houle.errors import CaseError, HouleError
 from houle.flow.simulation import Simulation
 
@@ -121,8 +122,8 @@ def random_case(seed: int, number: int) -> dict[str, Any]:
 
 def run(case: dict[str, Any], threads: int = 1) -> Outcome:
     """Raises CaseError for a case that houle refuses."""
-    sim = Simulation(load(case), threads)
-    end, most, failure = sim.case.time.end, 0.0, ""
+    sim = Simulation(build(load(case)), threads)
+    end, most, failure = sim.setup.time.end, 0.0, ""
     try:
         while sim.time < end and sim.steps < MOST_STEPS:
             sim.advance(end)

@@ -24,9 +24,10 @@ import scipy.signal  # noqa: F401
 import xarray  # noqa: F401  (what is imported late is no hang of an input)
 
 from houle import analysis
+from houle.case.tables.waves import Waves
+from houle.case.wave import read_record
 from houle.data import csv_table, laboratory
 from houle.errors import HouleError
-from houle.waves import record
 
 LONGEST = 2.0  # s
 WORDS = [
@@ -211,7 +212,7 @@ def read_everything(file: Path, rng: random.Random) -> None:
     if way == 0:
         laboratory.read(file)
     elif way == 1:
-        record.read(file)
+        read_record(Waves(kind="series", file=str(file), depth=1.0, zone={"x": (0.0, 1.0)}))
     elif way == 2:
         csv_table.header(file, "open.left.file")
         csv_table.read_columns(file, ("t_s", "level_m"), "open.left.file")

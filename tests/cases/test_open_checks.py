@@ -2,7 +2,7 @@
 
 import pytest
 
-from houle.boundary.open_side import records
+from houle.case.build import records
 from houle.case.model import load
 from houle.check import rules
 from houle.check.open_sides import open_rows

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from houle import load
+from houle.case.build import build
 from houle.flow.simulation import Simulation
 
 ROCK = {"porosity": 0.49, "grain_diameter": 0.0159, "resistance": {"law": "van-gent-1995"}}
@@ -22,7 +23,7 @@ DAM_BREAK: dict[str, Any] = {
 
 def simulation(case: dict[str, Any], **overrides: Any) -> Simulation:
     """numerics__order=2 overrides numerics.order."""
-    return Simulation(load(case, {key.replace("__", "."): value for key, value in overrides.items()}))
+    return Simulation(build(load(case, {key.replace("__", "."): value for key, value in overrides.items()})))
 
 
 def run(sim: Simulation, steps: int, until: float = 1e3) -> Simulation:

@@ -10,6 +10,7 @@ from situations import copy_state, differing, run, simulation
 from test_porous_energy import energies, falling, thrown
 
 from houle import _core, load
+from houle.case.build import build
 from houle.errors import SimulationError
 from houle.flow.simulation import Simulation
 from houle.grid import Grid
@@ -53,7 +54,7 @@ def test_the_jump_at_a_plug_knows_no_added_mass(porosity, drag, on):
     def look(sim):
         return [sim.time, *sim.flow.velocity[0][:-1].mean(axis=1), *sim.flow.pressure.mean(axis=1)]
 
-    rows = history(Simulation(case), 0.8, look)
+    rows = history(Simulation(build(case)), 0.8, look)
     cells = (len(rows) - 1) // 2
     time, flux, pressure = rows[0], rows[1 : cells + 1].mean(axis=0), rows[cells + 1 :]
     exact = duct_flow(time - 0.5 * case.time.step, body, 4.905, 0.5, 0.1)
@@ -78,7 +79,7 @@ def test_water_falls_into_a_dry_bed_as_the_equation_says():
     case = load("porous-column", {f"porous.bed.{k}": v for k, v in keys.items()})
     body, n, width = case.porous[0], case.porous[0].porosity, case.domain.size[0]
     assert body.box is not None
-    sim = Simulation(case)
+    sim = Simulation(build(case))
     layer = sim.particles.total_volume / width
     time, level = history(sim, 0.3, lambda sim: (sim.time, float(sim.sample()["eta"][0])))
     wetted = (layer - (level - body.box[1][-1])) / n
@@ -95,7 +96,7 @@ def test_water_falls_into_a_dry_bed_as_the_equation_says():
 
 def test_flow_starts_up_with_the_inertia_of_the_added_mass():
     case = load("porous-startup", {"porous.rock.added_mass": 1.0, "porous.rock.added_mass_on": "rate", "time.end": 0.1})
-    time, flux = history(Simulation(case), 0.1, lambda sim: (sim.time, sim.flow.velocity[0][:, :8].mean()))
+    time, flux = history(Simulation(build(case)), 0.1, lambda sim: (sim.time, sim.flow.velocity[0][:, :8].mean()))
     exact = duct_flow(time - 0.5 * case.time.step, medium(case.porous[0], case.fluid), 4.905)
     assert flux == pytest.approx(exact, abs=5e-3 * exact[-1])
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import houle.flow.simulation
+import houle.case.build
 from physics.situations import copy_state, differing, run, simulation
 
 # a block of water thrown up beside a porous block: it rises by 26 cells
@@ -45,7 +45,7 @@ def test_the_same_flow_as_on_the_whole_grid(monkeypatch: pytest.MonkeyPatch):
     """Up to the tolerance of the solver, whose multigrid has other levels."""
     tight = {"numerics__tolerance": 1e-11}
     low = run(simulation(THROWN, **tight), 25)
-    monkeypatch.setattr(houle.flow.simulation, "first_rows", lambda case: 60)
+    monkeypatch.setattr(houle.case.build, "first_rows", lambda case: 60)
     whole = run(simulation(THROWN, **tight), 25)
     assert low.flow.grid.shape[-1] < whole.flow.grid.shape[-1] == 60
     for name in ("position", "velocity"):

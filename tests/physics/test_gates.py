@@ -59,8 +59,8 @@ def test_a_shut_gate_holds_the_water_on_both_sides(name):
     sim = simulation(POOLS[name], numerics__remesh_every=1)
     sim.step.remeshing.travel = 0.0
     before = held(sim)
-    while sim.time < sim.case.time.end:
-        sim.advance(sim.case.time.end)
+    while sim.time < sim.setup.time.end:
+        sim.advance(sim.setup.time.end)
     assert held(sim) == pytest.approx(before, rel=1e-12)
 
 

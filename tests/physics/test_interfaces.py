@@ -123,8 +123,8 @@ def amplitudes(ends: dict[str, Any], x0: float, periods: int) -> list[float]:
     inside = (x > x0 + 2 * cell) & (x < x0 + length - 2 * cell)
     modes = np.stack([np.ones(inside.sum()), np.cos(k * (x[inside] - x0))], axis=1)
     time, wave = [], []
-    while sim.time < sim.case.time.end:
-        sim.advance(sim.case.time.end)
+    while sim.time < sim.setup.time.end:
+        sim.advance(sim.setup.time.end)
         time.append(sim.time)
         wave.append(np.linalg.lstsq(modes, sim.flow.eta[inside], rcond=None)[0][1])
     found = []

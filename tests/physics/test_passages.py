@@ -17,8 +17,8 @@ TANK = {
 def most_energy(sim):
     """Largest kinetic energy, over all that the water can have."""
     found = []
-    while sim.time < sim.case.time.end:
-        sim.advance(sim.case.time.end)
+    while sim.time < sim.setup.time.end:
+        sim.advance(sim.setup.time.end)
         found.append(sim.ledger.kinetic / sim.budget.available(sim.flow, sim.ledger))
     return max(found)
 

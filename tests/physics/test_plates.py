@@ -44,8 +44,8 @@ def held(sim: Any, foot: float, lean: float = 0.0) -> float:
 
 def slosh(sim: Any) -> Any:
     sim.step.remeshing.travel = 0.0  # made anew in every step
-    while sim.time < sim.case.time.end:
-        sim.advance(sim.case.time.end)
+    while sim.time < sim.setup.time.end:
+        sim.advance(sim.setup.time.end)
     return sim
 
 
@@ -81,7 +81,7 @@ def test_a_plate_at_the_seam_of_a_periodic_axis_holds_water(place):
         ),
         numerics__remesh_every=1,
     )
-    found, (rho, g) = sim.observers.sample(), (sim.case.fluid.density, sim.case.fluid.gravity)
+    found, (rho, g) = sim.observers.sample(), (sim.setup.fluid.density, sim.setup.fluid.gravity)
     np.testing.assert_allclose(found["eta"], [0.27, 0.27, 0.12], rtol=0, atol=1e-6)
     np.testing.assert_allclose(found["pressure"], rho * g * np.array([0.22, 0.22, 0.07]), rtol=4e-3)
     assert found["force"][:, 0].sum() == pytest.approx(0.5 * rho * g * (0.12**2 - 0.27**2), rel=3e-3)
@@ -214,7 +214,7 @@ def test_instruments_on_a_plate_read_the_water_on_their_side(place):
     )
     found = sim.observers.sample()
     np.testing.assert_allclose(found["eta"], [0.27, 0.12], rtol=0, atol=1e-6)
-    rho, g = sim.case.fluid.density, sim.case.fluid.gravity
+    rho, g = sim.setup.fluid.density, sim.setup.fluid.gravity
     np.testing.assert_allclose(found["pressure"], rho * g * np.array([0.22, 0.07]), rtol=3e-3)
     assert found["force"][0, 0] == pytest.approx(0.5 * rho * g * (0.27**2 - 0.12**2), rel=3e-3)
 

@@ -27,7 +27,7 @@ def falling(porosity: float, edge: float, drag: dict[str, Any] | None = None) ->
 
 def energies(sim, until=None, most=3000):
     """Kinetic and total energy after every step, over what there was at the start above the lowest state."""
-    rows, end = [], until or sim.case.time.end
+    rows, end = [], until or sim.setup.time.end
     there = sim.budget.available(sim.flow, sim.ledger)
     lowest = sim.ledger.start - there
     while sim.time < end and sim.steps < most:

@@ -7,7 +7,7 @@ import pytest
 import shapely
 from situations import simulation
 
-from houle.medium.shapes import Union, shape_of
+from houle.medium.shapes import Union
 
 SPIKE = [[0.33, 0.0], [0.47, 0.0], [0.39, 0.11]]
 STEPS = {"2D": {"box": [[0.313, 0.0], [0.487, 0.067]]}, "spike": {"polygon": SPIKE}}
@@ -25,7 +25,7 @@ def case(name, water):
 
 
 def depth_inside(sim):
-    solid = Union(tuple(shape_of(s, sim.grid.dimension) for s in sim.case.solid))
+    solid = Union(sim.setup.solids)
     return -solid.distance(sim.particles.position).min()
 
 

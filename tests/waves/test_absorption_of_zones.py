@@ -7,7 +7,6 @@ from scipy.linalg import solve_banded
 
 from houle.boundary.makers import RelaxationZone, damping
 from houle.boundary.sponge import resist
-from houle.case.tables.waves import Zone
 from houle.grid import Grid
 from houle.waves.theories import regular
 
@@ -43,7 +42,7 @@ def zone():
     wave = regular("airy", 1e-5, PERIOD, DEPTH)
     end = 1.5 * wave.length
     grid = Grid((CELLS, 2), (end / CELLS, DEPTH), (False, False))
-    found = RelaxationZone.of(Zone(x=(0.0, end)), wave, grid, 1.0)
+    found = RelaxationZone.of((0.0, end), wave, grid, 1.0)
     return found.sigma[0] / wave.omega, found.share, 1.5
 
 

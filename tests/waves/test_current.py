@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from houle.case.tables.waves import Waves, make
+from houle.case.tables.waves import Waves
+from houle.case.wave import make
 from houle.waves import dispersion
 from houle.waves.current import carried
 from houle.waves.theories import regular

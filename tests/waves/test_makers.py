@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from houle.boundary.finite_source import FiniteSource
-from houle.boundary.makers import InternalSource, make_maker
-from houle.case.tables.waves import Waves, make
+from houle.boundary.makers import InternalSource
+from houle.case.build import make_maker
+from houle.case.tables.waves import Waves
+from houle.case.wave import make
 from houle.grid import Grid
 from houle.waves.wave import WaveError
 

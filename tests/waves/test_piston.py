@@ -7,7 +7,8 @@ from math import pi
 import numpy as np
 import pytest
 
-from houle.case.tables.waves import Waves, make
+from houle.case.tables.waves import Waves
+from houle.case.wave import make
 from houle.waves.dispersion import wave_number
 from houle.waves.piston import Follower, Reading, biesel, double_harmonic, law_of, modes, reading_of, response
 from houle.waves.wave import WaveError
@@ -73,7 +74,7 @@ def test_the_piston_displaces_the_volume_of_a_solitary_wave():
     """Goring: all in all it sweeps the volume above still water, 4 d sqrt(H d / 3) to first order."""
     table = Waves(kind="solitary", height=0.02, depth=DEPTH, piston={"x": 0.5})
     wave = make(table)
-    law = law_of(table, wave, 0.5, reading_of(wave, DEPTH, GRAVITY))
+    law = law_of(wave, 0.5, reading_of(wave, DEPTH, GRAVITY), 0.0, regular=False)
     assert isinstance(law, Follower)
     x = np.linspace(-10.0, 10.0, 4001)
     volume = float(np.sum(wave.elevation(x, 0.0))) * (x[1] - x[0])
@@ -86,10 +87,10 @@ def test_long_regular_waves_are_followed_and_others_made_to_second_order():
     for height, period, words in ((0.02, 1.2, "second order"), (0.06, 4.0, "goes with the water (Goring)")):
         table = Waves(kind="regular", height=height, period=period, depth=DEPTH, piston={"x": 0.5})
         wave = make(table)
-        law = law_of(table, wave, 0.5, reading_of(wave, DEPTH, GRAVITY))
+        law = law_of(wave, 0.5, reading_of(wave, DEPTH, GRAVITY), 2 * period, regular=True)
         assert law.theory == words
     sea = Waves(kind="jonswap", height=0.02, period=1.2, depth=DEPTH, piston={"x": 0.5})
-    assert law_of(sea, make(sea), 0.5, reading_of(make(sea), DEPTH, GRAVITY)).theory == "first order"
+    assert law_of(make(sea), 0.5, reading_of(make(sea), DEPTH, GRAVITY), 0.0, regular=False).theory == "first order"
     oblique = Waves(kind="regular", height=0.02, period=1.2, depth=DEPTH, direction=20.0, piston={"x": 0.5})
     with pytest.raises(WaveError, match=r"a piston makes waves along x only; take waves\.source"):
-        law_of(oblique, make(oblique), 0.5, reading_of(None, DEPTH, GRAVITY))
+        law_of(make(oblique), 0.5, reading_of(None, DEPTH, GRAVITY), 0.0, regular=True)

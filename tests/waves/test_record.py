@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from houle.waves.record import read, series
+from houle.case.tables.waves import Waves
+from houle.case.wave import read_record
+from houle.waves.record import series
 from houle.waves.wave import WaveError
 
 DEPTH, GRAVITY = 4.0, 9.81
 T = np.arange(0.0, 180.0, 0.25)
+
+
+def read(file, start=0.0):
+    """What the case file makes of a record."""
+    return read_record(Waves(kind="series", file=str(file), start=start, depth=1.0, zone={"x": (0.0, 1.0)}))
 
 
 def ship(t):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from houle.case.tables.waves import Source, Waves, Zone, make
+from houle.case.tables.waves import Source, Waves, Zone
+from houle.case.wave import make
 from houle.waves.spectra import irregular
 from houle.waves.theories import PASSPORTS, REGULAR
 

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.boundary.finite_source import REACH, FiniteSource
-from houle.case.tables.waves import Source, Waves, Zone
 from houle.grid import Faces, FloatArray, Grid
 from houle.waves.dispersion import frequency, group_velocity
 from houle.waves.finite import SHARPNESS
@@ -39,6 +38,20 @@ class Maker(Protocol):
 
     def resist(self, rate: Faces) -> None:
         """Adds what it damps to the linear resistance of the faces [1/s]."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A source inside the water: its middle x [m], its width [m], the form of its push, and where the waves go.
+
+    form  "finite": regular waves with all their harmonics; "linear", "boussinesq": the first alone, by group velocity
+    side  "both", "left" or "right"
+    """
+
+    x: float
+    width: float
+    form: str
+    side: str
 
 
 @dataclass
@@ -71,35 +84,34 @@ class InternalSource:
     @classmethod
     def of(
         cls,
-        table: Source,
+        source: Source,
         parts: Components,
         wave: Wave,
         grid: Grid,
         duration: float,
-        width: float,
         current: float = 0.0,
     ) -> InternalSource:
         h, count = grid.spacing[0], grid.shape[0]
-        beta = SHARPNESS / width**2
-        first, last = (round((table.x + s * REACH * width) / h) for s in (-1, 1))
+        beta = SHARPNESS / source.width**2
+        first, last = (round((source.x + s * REACH * source.width) / h) for s in (-1, 1))
         first, last = max(1, first), min(count - 1, last)
-        x: FloatArray = np.arange(first, last + 1, dtype=float) * h - table.x
+        x: FloatArray = np.arange(first, last + 1, dtype=float) * h - source.x
         shapes, across = _bell(x, beta)[1:], _bell(x[:-1] + h / 2, beta)[:2]
         k_x, k_y = parts.k * np.cos(parts.direction), parts.k * np.sin(parts.direction)
         reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I, the strength of G at k_x
         height = 2 * parts.amplitude
-        speed, sigma = _speed(table.form, parts, wave.depth, wave.gravity), parts.omega
+        speed, sigma = _speed(source.form, parts, wave.depth, wave.gravity), parts.omega
         if current:  # the push oscillates with sigma for the water that runs through it, the energy leaves with c_g + U
             speed, sigma = speed + current * np.cos(parts.direction), frequency(parts.k, wave.depth, wave.gravity)
         strength = height * speed * np.cos(parts.direction) / reach  # D of (5)
         size = wave.gravity * strength / sigma
-        sign = {"both": 0.0, "right": 1.0, "left": -1.0}[table.side]
+        sign = {"both": 0.0, "right": 1.0, "left": -1.0}[source.side]
         if sign:
             size = size / 2
         y, faces = np.zeros(1), np.zeros(0)
         if grid.dimension == 3:
             y, faces = grid.axis_points(1), grid.axis_points(1, on_faces=True)
-        there = k_x * table.x * (sign or 1.0) + parts.phase
+        there = k_x * source.x * (sign or 1.0) + parts.phase
         chosen = np.array([[1.0], [sign]])
         return cls(
             first, chosen * shapes, size, k_x, parts.omega, y[:, None] * k_y + there, duration, k_y, chosen * across,
@@ -179,22 +191,23 @@ class RelaxationZone:
         return {0: self.faces, self.up: self.cells}
 
     @classmethod
-    def of(cls, table: Zone, wave: Wave, grid: Grid, duration: float, wall: bool = True) -> RelaxationZone:
-        start, end = table.x
+    def of(cls, x: tuple[float, float], wave: Wave, grid: Grid, duration: float, wall: bool = True) -> RelaxationZone:
+        """Between x[0], where the wave is complete, and x[1] [m]; wall: whether the side of the tank is a wall."""
+        start, end = x
         h, n = grid.spacing[0], grid.shape[0]
         if grid.dimension == 3 and wave.direction:
             raise WaveError("waves.zone leads waves along x only; take waves.source for oblique waves")
         faces = slice(max(0, round(start / h)), min(n, round(end / h)) + 1)
         cells = slice(faces.start, faces.stop - 1)
-        x = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
+        points = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
         firm = FIRM * damping(wave.group_velocity, end - start)
-        inwards = [(end - p) / (end - start) for p in x]  # 0 where the waves leave the zone, 1 at its start
+        inwards = [(end - p) / (end - start) for p in points]  # 0 where the waves leave the zone, 1 at its start
         at_faces, at_centres = (firm * (s**2 + (HARD * s**6 if wall else 0.0)) for s in inwards)
         up = grid.dimension - 1
         return cls(
-            wave, faces, cells, x[0], grid.axis_points(up), grid.spacing[up] / h,
+            wave, faces, cells, points[0], grid.axis_points(up), grid.spacing[up] / h,
             sigma=(at_faces, at_centres),
-            share=smooth(3 * (1 - inwards[0])) if wall else np.ones(len(x[0])),
+            share=smooth(3 * (1 - inwards[0])) if wall else np.ones(len(points[0])),
             duration=duration, up=up,
         )  # fmt: skip
 
@@ -251,9 +264,9 @@ def left_over(strength: float, group_velocity: float, length: float) -> float:
     return exp(-strength * length / (3 * group_velocity))
 
 
-def source_width(table: Source, kind: str, wave: Wave) -> float:
-    """Width [m] of the source: as given, or in proportion to the wavelength."""
-    return table.width or (WIDTH if kind == "regular" else NARROW) * wave.length
+def source_width(given: float | None, kind: str, wave: Wave) -> float:
+    """Width [m] of a source of waves of this kind: as given, or in proportion to the wavelength."""
+    return given or (WIDTH if kind == "regular" else NARROW) * wave.length
 
 
 def oscillations(wave: Wave, kind: str, width: float) -> Components:
@@ -289,36 +302,24 @@ def _suits(parts: Components, width: float) -> NDArray[np.bool_]:
     return (turns * LONGEST >= 2 * pi) & (turns * SHORTEST <= 2 * pi)
 
 
-def is_finite(table: Waves, parts: Components) -> bool:
+def is_finite(source: Source, kind: str, parts: Components) -> bool:
     """Whether the source makes all harmonics of the wave."""
-    return (
-        isinstance(table.maker, Source)
-        and table.maker.form == "finite"
-        and table.kind == "regular"
-        and len(parts.k) > 1
-    )
+    return source.form == "finite" and kind == "regular" and len(parts.k) > 1
 
 
-def require_source(table: Waves, wave: Wave) -> None:
+def require_source(source: Source, kind: str, wave: Wave) -> None:
     """Raises WaveError if the source cannot make this wave. What it finds out is kept for the source."""
-    assert isinstance(table.maker, Source)
-    width = source_width(table.maker, table.kind, wave)
-    if is_finite(table, oscillations(wave, table.kind, width)):
-        FiniteSource.force(wave, width, table.maker.side)
+    if is_finite(source, kind, oscillations(wave, kind, source.width)):
+        FiniteSource.force(wave, source.width, source.side)
 
 
-def make_maker(
-    table: Waves, wave: Wave, grid: Grid, wall: bool = True
-) -> InternalSource | FiniteSource | RelaxationZone:
-    """The maker inside the water that the table asks for; `wall`: at a left side that is not open. Raises WaveError."""
-    if table.zone is not None:
-        return RelaxationZone.of(table.zone, wave, grid, table.ramp_time(), wall)
-    maker = table.source
-    assert maker is not None
-    width = source_width(maker, table.kind, wave)
-    parts = oscillations(wave, table.kind, width)
-    if is_finite(table, parts):
-        return FiniteSource.of(wave, grid, maker.x, width, maker.side, table.ramp_time())
-    if table.kind == "regular":
+def make_source(
+    source: Source, kind: str, wave: Wave, grid: Grid, duration: float, current: float = 0.0
+) -> InternalSource | FiniteSource:
+    """The force that makes waves of this kind and grows in the time `duration` [s]. Raises WaveError."""
+    parts = oscillations(wave, kind, source.width)
+    if is_finite(source, kind, parts):
+        return FiniteSource.of(wave, grid, source.x, source.width, source.side, duration)
+    if kind == "regular":
         parts = parts.first
-    return InternalSource.of(maker, parts, wave, grid, table.ramp_time(), width, table.current)
+    return InternalSource.of(source, parts, wave, grid, duration, current)

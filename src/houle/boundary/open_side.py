@@ -16,15 +16,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.case.tables.sides import COLUMNS, Open
-from houle.data.csv_table import header
-from houle.data.history import History, read_history, require_file
-from houle.errors import CaseError, SimulationError
+from houle.errors import SimulationError
 from houle.flow.particles import Particles
 from houle.grid import FloatArray, Grid
 from houle.waves.wave import Wave, ramp
@@ -34,7 +30,6 @@ if TYPE_CHECKING:
 
 NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
 CROSSINGS = 4.0  # of the tank by a long wave, the response of a level: critical damping if its other end is closed
-LEAST = 2  # rows of a file
 THIN = 0.25  # of a half cell: less water at the surface belongs to the half cell below
 
 
@@ -47,28 +42,6 @@ class Record:
 
     def at(self, t: float) -> float:
         return float(np.interp(t, self.time, self.value))
-
-
-def records(table: Open, folder: Path) -> dict[str, Record]:
-    """What an open side prescribes, by the keys of COLUMNS. Raises CaseError."""
-    if table.file is None:
-        constant = {key: getattr(table, key) for key in COLUMNS if getattr(table, key) is not None}
-        return {key: Record(np.zeros(1), np.array([value])) for key, value in constant.items()}
-    names, known = history(table, folder)
-    return {name: Record(known.time, value) for name, value in zip(names, known.values, strict=True)}
-
-
-def history(table: Open, folder: Path) -> tuple[list[str], History]:
-    """What the file of an open side holds: keys of COLUMNS, their values on the clock of the run. Raises CaseError."""
-    file, key = folder / str(table.file), f"open.{table.side}.file"
-    require_file(file, key)
-    there = {name: column for name, column in COLUMNS.items() if column in header(file, key)}
-    if not there or {"velocity", "discharge"} <= set(there):
-        raise CaseError(
-            f"{key} = {file} needs a column t_s and one of velocity_m_s, discharge_m2_s, level_m, or level_m with one "
-            f"of the others; it has {', '.join(there.values()) or 'none of them'}"
-        )
-    return list(there), read_history(file, tuple(there.values()), key, LEAST, table.start)
 
 
 @dataclass
@@ -111,16 +84,27 @@ class OpenSide:
 
     @classmethod
     def of(
-        cls, table: Open, folder: Path, grid: Grid, open_faces: FloatArray, gravity: float, water: Particles
+        cls,
+        far: bool,
+        prescribed: dict[str, Record],
+        ramp: float,
+        response: float | None,
+        gravity: float,
+        grid: Grid,
+        open_faces: FloatArray,
+        water: Particles,
     ) -> OpenSide:
-        """open_faces: of axis 0; water: at the start. Raises CaseError."""
-        far = table.side == "right"
+        """The right side of the tank if `far`, else the left one.
+
+        prescribed  velocity [m/s], discharge [m2/s] or level [m] against time
+        response    of a level [s]; None: `CROSSINGS` of the tank by a long wave
+        open_faces  open part of the faces along x; water: at the start
+        """
         depths = water.depths(grid)[-NEAR:] if far else water.depths(grid)[:NEAR]
         depth = max(float(np.mean(depths)), grid.spacing[-1])
         speed = math.sqrt(max(gravity, 1e-12) * depth)
-        response = table.response or CROSSINGS * grid.size[0] / speed
-        known = records(table, folder)
-        side = cls(far, known, table.ramp, response, gravity, grid, open_faces[-1 if far else 0].copy())
+        response = response or CROSSINGS * grid.size[0] / speed
+        side = cls(far, prescribed, ramp, response, gravity, grid, open_faces[-1 if far else 0].copy())
         near = np.abs(water.position[:, 0] - side.x) < NEAR * grid.spacing[0]
         if near.any():
             side.follows = side.sign * float(np.average(water.velocity[near, 0], weights=water.volume[near]))

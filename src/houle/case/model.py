@@ -25,9 +25,9 @@ from houle.case.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic
 from houle.case.tables.results import Reference, Reflection
 from houle.case.tables.sides import Open
 from houle.case.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
-from houle.case.tables.waves import Waves, make
+from houle.case.tables.waves import Waves
+from houle.case.wave import make
 from houle.errors import CaseError
-from houle.flow.viscosity import longest_step
 from houle.waves.wave import Wave
 
 
@@ -119,12 +119,6 @@ class Case(Table):
         if wave is None or parts is None:
             return inf
         return wave.period if self.waves is not None and self.waves.kind == "regular" else parts.energy_period
-
-    @property
-    def viscous_step(self) -> float:
-        """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
-        held = any(map(any, self.domain.walls.no_slip(self.dimension)))
-        return longest_step(self.domain.grid, self.fluid.viscosity, self.numerics.scheme == "jh2020", held)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain lists, tables and numbers as a file would hold them, defaults written out; `load` reads it back."""

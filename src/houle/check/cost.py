@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import shapely
 
+from houle.case.build import first_rows, viscous_step
 from houle.case.model import Case
-from houle.case.tables.control import WAVE_SHARE
 from houle.check.paddles import moving_walls
+from houle.check.passport import Passport, passport
 from houle.check.rules import expected_speed
 from houle.check.section import Body, Section
 from houle.check.waves import reach
-from houle.flow.rows import first_rows, memory
-from houle.medium.resistance import Passport, passport
+from houle.flow.rows import memory
+from houle.flow.setup import WAVE_SHARE
 from houle.medium.thin_solids import at_width
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def price(case: Case, threads: int = 1) -> Price:
     slow = min([1.0, *(b.entry.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
     fastest = expected_speed(s) / (1.0 if s.drop() > h else slow)
     crossed = min(h / fastest, WAVE_SHARE * sqrt(h / max(case.fluid.gravity, 1e-12)))  # of a cell, by water; by waves
-    step = case.time.step or min(case.time.courant * crossed, case.viscous_step)
+    step = case.time.step or min(case.time.courant * crossed, viscous_step(case))
     steps = int(np.ceil(case.time.end / step))
     frames = 1 + case.time.end / case.output.every
     per_frame = 4 * ((2 * d + 3) * particles + (d + 3) * cells)  # float32
@@ -96,8 +97,8 @@ def price(case: Case, threads: int = 1) -> Price:
         step=step,
         steps=steps,
         minutes=particles * steps * MICROSECONDS * 1e-6 / 60 / threads**0.75,
-        memory=memory(case, particles, first_rows(case)),
-        most_memory=memory(case, particles, g.shape[-1]),
+        memory=memory(g, particles, first_rows(case)),
+        most_memory=memory(g, particles, g.shape[-1]),
         frames=0.6 * frames * per_frame,
         rows=rows,
     )

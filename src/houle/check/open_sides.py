@@ -11,7 +11,8 @@ from math import sqrt
 import numpy as np
 import shapely
 
-from houle.boundary.open_side import CROSSINGS, NEAR, Record, history, records
+from houle.boundary.open_side import CROSSINGS, NEAR, Record
+from houle.case.build import history, records
 from houle.case.model import Case
 from houle.case.tables.sides import Open
 from houle.check.section import Finding, Section

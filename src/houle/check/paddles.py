@@ -10,13 +10,13 @@ import numpy as np
 import shapely
 
 from houle.boundary.paddle import ROOM
+from houle.case.build import law_of_piston
 from houle.case.messages import metres, place
 from houle.case.model import Case
 from houle.check.section import Finding, Section
 from houle.check.waves import columns
 from houle.errors import CaseError
 from houle.waves.dispersion import wave_number
-from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
 GIVES = (
@@ -38,14 +38,6 @@ class MovingWall:
     def span(self) -> tuple[float, float]:
         """Between which it moves [m]."""
         return self.rest + self.way[0], self.rest + self.way[1]
-
-
-def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
-    """How the piston of a case moves, what it reads, and where it stands at rest [m]. Raises CaseError."""
-    assert case.waves is not None and case.waves.piston is not None
-    rest = case.domain.grid.nearest_face(case.waves.piston.x)
-    read = reading_of(wave, wave.depth, wave.gravity)
-    return law_of(case.waves, wave, rest, read), read, rest
 
 
 def moving_walls(case: Case, wave: Wave | None, depth: float) -> list[MovingWall]:

@@ -12,9 +12,9 @@ from rich.table import Table
 from houle.case.model import Case
 from houle.check import cost, wave_report
 from houle.check.open_sides import open_rows
+from houle.check.passport import REFERENCE_VELOCITY, Passport
 from houle.check.rules import require
 from houle.grid import axes
-from houle.medium.resistance import REFERENCE_VELOCITY, Passport
 
 
 def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:

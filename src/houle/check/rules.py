@@ -17,17 +17,19 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from houle.case.build import first_rows, viscous_step
 from houle.case.messages import guess, metres, place, several, show
 from houle.case.model import Case
 from houle.case.reading import is_file
-from houle.case.tables.control import SCHEMES, SHORTEST, WAVE_SHARE
+from houle.case.tables.control import SCHEMES
 from houle.check.open_sides import open_sides_fit
 from houle.check.paddles import paddles_fit
 from houle.check.section import Finding, Section
 from houle.check.waves import sponges_fit, waves_fit
 from houle.data import laboratory
 from houle.errors import CaseError
-from houle.flow.rows import first_rows, memory
+from houle.flow.rows import memory
+from houle.flow.setup import SHORTEST, WAVE_SHARE
 from houle.grid import MOST_NUMBERS, axes
 from houle.medium.sections import layers, section
 from houle.medium.shapes import enclosed, polygons
@@ -331,7 +333,7 @@ def times(s: Section) -> Iterator[Finding]:
             f"= {t.step:g} s moves water at {speed:.2g} m/s over {cells:.1f} cells of {h:.3g} m a step: below 1 is "
             f"accurate, step = {0.5 * t.step / cells:.1g}, or courant = 0.5",
         )
-    nu, viscous = s.case.fluid.viscosity, s.case.viscous_step
+    nu, viscous = s.case.fluid.viscosity, viscous_step(s.case)
     if t.step is not None and t.step > viscous:
         text = f"= {t.step:g} s is unstable with fluid.viscosity = {nu:g} m2/s: at most {0.99 * viscous:.3g}"
         yield Finding("error", "time.step", f"{text}, or courant = 0.5, which finds it")
@@ -370,7 +372,7 @@ def remeshing(s: Section) -> Iterator[Finding]:
 
 def memory_suffices(s: Section) -> Iterator[Finding]:
     """The particles fit into this machine, as far as one can tell before, and there is a number for each."""
-    needed, there = memory(s.case, s.particles(), s.grid.shape[-1]), machine_memory()
+    needed, there = memory(s.grid, s.particles(), s.grid.shape[-1]), machine_memory()
     if there is not None and needed > 0.8 * there:
         h = s.case.domain.spacing
         better = h * (needed / (0.5 * there)) ** (1 / s.case.dimension)

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from houle.analysis import AnalysisError, choose_window
-from houle.boundary.makers import damping, left_over, source_width
+from houle.boundary.makers import damping, left_over
 from houle.boundary.sponge import sides
+from houle.case.build import law_of_piston, source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.tables.results import Reflection
 from houle.case.tables.tank import Sponge
 from houle.case.tables.waves import Piston, Source
-from houle.check.paddles import law_of_piston
 from houle.check.section import Finding, Section
 from houle.check.waves import reach
 from houle.results.reflection import limits
@@ -62,7 +62,7 @@ def _maker(case: Case, wave: Wave) -> str:
     assert waves is not None
     then = f"; full after {waves.ramp_time():.3g} s; the front runs at {wave.group_velocity:.3g} m/s"
     if isinstance(waves.maker, Source):
-        width, (low, high) = source_width(waves.maker, waves.kind, wave), reach(case, wave)
+        width, (low, high) = source_of(waves, wave).width, reach(case, wave)
         side = {"both": "to both sides", "left": "to the left", "right": "to the right"}[waves.maker.side]
         at = f"source at x = {waves.maker.x:g} m, {width:.3g} m wide, acts from {low:.3g} to {high:.3g} m"
         return f"{at}; {side}{then}"

@@ -14,12 +14,14 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from houle.boundary.makers import LONGEST, SHORTEST, left_out, require_source, source_width
+from houle.boundary.makers import LONGEST, SHORTEST, left_out, require_source
 from houle.boundary.sponge import sides
+from houle.case.build import source_of
 from houle.case.messages import metres, place
 from houle.case.model import Case
 from houle.case.tables.tank import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
+from houle.case.wave import read_record
 from houle.check.section import Finding, Section
 from houle.data.history import shortcomings
 from houle.errors import CaseError
@@ -51,7 +53,7 @@ def reach(case: Case, wave: Wave) -> Reach:
         return maker.x
     if isinstance(maker, Piston):
         return maker.x, maker.x + NEARBY * wave.depth
-    half = ACTS * source_width(maker, case.waves.kind, wave)
+    half = ACTS * source_of(case.waves, wave).width
     return maker.x - half, maker.x + half
 
 
@@ -94,14 +96,14 @@ def _record(s: Section, wave: Wave) -> Iterator[Finding]:
     """The record meets the clock of the run, has no holes; what a wall or a force leaves out of it."""
     table, end = s.case.waves, s.case.time.end
     assert table is not None and table.file is not None
-    known = record.read(s.case.folder / table.file, table.start)
+    known = read_record(table, s.case.folder)
     lead = record.LEAD * float(known.time[-1] - known.time[0])
     outside = f"{lead:.3g} s of half a cosine lead to still water"
     for level, text in shortcomings(known, end, table.gap, 0.0, outside):
         yield Finding(level, "waves.file", f'= "{table.file}" {text}')
     parts = wave.components()
     if isinstance(table.maker, Source) and parts is not None:
-        width = source_width(table.maker, table.kind, wave)
+        width = source_of(table, wave).width
         if share := left_out(parts, width):
             text = (
                 f'= "{table.file}": a source {width:.3g} m wide leaves out its mean and what is not '
@@ -165,7 +167,7 @@ def _source(s: Section, wave: Wave) -> Iterator[Finding]:
     assert table is not None and table.source is not None
     x = table.source.x
     try:
-        require_source(table, wave)
+        require_source(source_of(table, wave), table.kind, wave)
     except CaseError as error:
         yield _told("error", str(error))
         return

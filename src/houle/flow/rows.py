@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.case.model import Case
-from houle.medium.shapes import shape_of
+from houle.grid import Grid
 
 if TYPE_CHECKING:
     from houle.flow.state import Flow
@@ -28,22 +27,10 @@ PER_PARTICLE = 68  # bytes, measured as `houle bench --large` does
 PER_CELL = {2: 255, 3: 390}  # bytes of a cell in the rows that are kept, by dimension
 
 
-def first_rows(case: Case) -> int:
-    """To start with. The whole domain where waves are made or sides are open or move: they reach over its height."""
-    grid = case.domain.grid
-    if case.waves is not None or case.open or case.absorber:
-        return grid.shape[-1]
-    shapes = [shape_of(entry, case.dimension).bounds[1][-1] for entry in (*case.water, *case.porous, *case.solid)]
-    observed = [sensor.at[-1] for sensor in case.sensor] + [o.level for o in case.overtopping if o.level is not None]
-    highest = max([0.0, *shapes, *observed])
-    rows = math.ceil(min(highest, grid.size[-1]) / grid.spacing[-1]) + MARGIN
-    return min(rows, grid.shape[-1])
-
-
-def memory(case: Case, particles: float, rows: int) -> float:
-    """[bytes] of a run with so many particles that keeps so many rows of cells."""
-    columns = math.prod(case.domain.grid.shape[:-1])
-    return PROGRAM + PER_PARTICLE * particles + PER_CELL[case.dimension] * columns * rows
+def memory(grid: Grid, particles: float, rows: int) -> float:
+    """[bytes] of a run with so many particles that keeps so many rows of cells of a grid."""
+    columns = math.prod(grid.shape[:-1])
+    return PROGRAM + PER_PARTICLE * particles + PER_CELL[grid.dimension] * columns * rows
 
 
 def more_rows(flow: Flow, most: int) -> int:

@@ -1,4 +1,4 @@
-"""A case in motion: builds the flow from the case, chooses the time step, advances, and answers what is where.
+"""A flow in motion: builds the flow from its setup, chooses the time step, advances, and answers what is where.
 
 `advance` takes one step; what it does is in step.py. Steps are shortened only to land on the stop it is given.
 """
@@ -6,29 +6,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import cached_property
 from numbers import Real
 
 import numpy as np
 
 from houle import _core
-from houle.boundary.absorbing import Drive
-from houle.boundary.makers import Stream, damping, make_maker
-from houle.boundary.open_side import OpenSide
-from houle.boundary.paddle import Paddle, place
-from houle.boundary.sponge import resist, way_length
-from houle.case.model import Case
-from houle.case.tables.control import SHORTEST, WAVE_SHARE
-from houle.case.tables.tank import Porous
-from houle.case.tables.waves import Piston, Waves
+from houle.boundary.paddle import place
 from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
 from houle.flow.particles import Particles
 from houle.flow.remeshers import STRATEGIES
 from houle.flow.remeshing import TRAVEL, Remeshing
-from houle.flow.rows import first_rows, more_rows, raised
+from houle.flow.rows import more_rows, raised
 from houle.flow.seeding import seed
+from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
 from houle.flow.snapshot import Snapshot
 from houle.flow.start import prepare
 from houle.flow.state import Flow
@@ -38,12 +32,8 @@ from houle.flow.transfer import make
 from houle.grid import FloatArray, axes
 from houle.medium.columns import Storage
 from houle.medium.medium import Medium
-from houle.medium.resistance import coefficients, inertia_coefficient
-from houle.medium.sections import PorousBody
-from houle.medium.shapes import shape_of
-from houle.observe import Observers, Profile, at_points
+from houle.observe import Profile, at_points
 from houle.observe.held import water_held
-from houle.waves.piston import law_of, reading_of
 from houle.waves.wave import Wave
 
 GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled", "open_shear")  # state() on cells and faces
@@ -55,49 +45,47 @@ class Simulation:
     `grid` is that of the domain and of the results; the flow has its lowest rows (rows.py).
     """
 
-    def __init__(self, case: Case, threads: int | None = None) -> None:
+    def __init__(self, setup: Setup, threads: int | None = None) -> None:
         if threads:
             _core.set_threads(threads)
-        self.case, self.grid = case, case.domain.grid
+        self.setup, self.grid = setup, setup.grid
         self.time, self.steps = 0.0, 0
         self.step_size = 0.0
-        self.viscous_step = case.viscous_step
-        self._build(first_rows(case))
+        self._build(setup.rows)
         self.ledger = Ledger(self.flow)
         prepare(self.flow, self.step.transfer, self.ledger)
         self.ledger.open()
 
     def _build(self, rows: int) -> None:
-        """The flow as the case describes it, on so many rows of cells, arranged, and what observes it."""
+        """The flow as it starts, on so many rows of cells, arranged, and what observes it."""
         for kept in ("_storage", "_profile"):
             self.__dict__.pop(kept, None)
-        case, grid = self.case, self.grid.lowest(rows)
-        d, numerics = grid.dimension, case.numerics
-        period = case.drag_period if case.porous else math.inf
-        bodies = [_porous_body(b, d, case.fluid.viscosity, period) for b in case.porous]
-        self.medium = Medium.build(grid, bodies, [shape_of(s, d) for s in case.solid], settles=not case.gate)
-        water = seed(grid, self.medium, [shape_of(w, d) for w in case.water])
-        _set_off(case, water)
+        setup, grid = self.setup, self.grid.lowest(rows)
+        fluid, numerics = setup.fluid, setup.numerics
+        self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=not setup.gates)
+        water = seed(grid, self.medium, [w.shape for w in setup.water])
+        _set_off(setup.water, water)
         self.flow = Flow(
-            grid, self.medium, water, gravity=case.acceleration,
+            grid, self.medium, water, gravity=fluid.acceleration,
             kernel=numerics.kernel, tolerance=numerics.tolerance,
-            viscosity=case.fluid.viscosity, smagorinsky=case.fluid.smagorinsky,
-            no_slip=case.domain.walls.no_slip(d),
+            viscosity=fluid.viscosity, smagorinsky=fluid.smagorinsky, no_slip=setup.no_slip,
         )  # fmt: skip
         remesher = STRATEGIES[numerics.remesh](grid, self.medium)
         transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
         travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
         remeshing = Remeshing(remesher, numerics.remesh_every, travel)
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
-        self.wave = self._add_waves()
-        self._add_absorbers()
-        self.flow.sides = self._open_sides()
-        self.flow.driven.extend(self.flow.sides)
-        self._add_streams()
+        for stand in setup.boundaries:
+            stand(self.flow)
         self._place_gates()
         arrange(self.flow, transfer)
-        self.observers = Observers(case, self.flow)
+        self.observers = setup.observe(self.flow)
         self.budget = Budget(self.flow)
+
+    @property
+    def wave(self) -> Wave | None:
+        """The wave that is made."""
+        return self.setup.wave
 
     @property
     def particles(self) -> Particles:
@@ -111,70 +99,6 @@ class Simulation:
     def volume_drift(self) -> float:
         """Change of the water volume that is not in- or outflow, relative [-]."""
         return self.ledger.volume_drift()
-
-    def _add_waves(self) -> Wave | None:
-        """Wave maker and sponges of the case."""
-        case, flow, grid = self.case, self.flow, self.flow.grid
-        rate, wave = grid.faces(), case.wave
-        speed = math.sqrt(case.fluid.gravity * float(self.particles.position[:, -1].max()))  # of long waves
-        if case.waves is not None and wave is not None:
-            speed = wave.group_velocity
-            if case.waves.piston is not None:
-                self._add_piston(case.waves, case.waves.piston, wave)
-            else:
-                maker = make_maker(case.waves, wave, grid, wall=all(side.side != "left" for side in case.open))
-                flow.makers = [maker]
-                maker.resist(rate)
-        for sponge in case.sponge:
-            length = way_length(sponge.box, grid)
-            resist(sponge.box, sponge.strength or damping(speed, length), grid, rate)
-        if any(r.any() for r in rate):
-            flow.damping = rate
-        return wave
-
-    def _open_sides(self) -> list[OpenSide]:
-        """Those of the case; the left one belongs to the wave that a relaxation zone makes."""
-        case, sides = self.case, []
-        for table in case.open:
-            faces = self.medium.open_faces[0].astype(float)
-            side = OpenSide.of(table, case.folder, self.flow.grid, faces, case.fluid.gravity, self.particles)
-            if case.waves is not None and case.waves.zone is not None and not side.far:
-                side.wave, side.wave_ramp = self.wave, case.waves.ramp_time()
-                side.long_from = case.waves.zone.x[1] if case.waves.kind in ("series", "solitary") else 0.0
-            sides.append(side)
-        return sides
-
-    def _add_streams(self) -> None:
-        """What damps in front of an open side, in its half of the tank, leads towards the flow through that side."""
-        flow = self.flow
-        if not flow.damping:
-            return
-        middle = (self.grid.shape[0] + 1) // 2
-        for side in flow.sides:
-            rate = flow.damping[0].copy()
-            rate[slice(None, middle) if side.far else slice(middle, None)] = 0.0
-            flow.makers.append(Stream(rate, self._depths(), side.passing))
-
-    def _depths(self) -> FloatArray:
-        """Depth of the water at the start, at the faces along x (nx + 1, [ny]) [m]; one cell at least."""
-        depths = self.particles.depths(self.grid)
-        padded = np.concatenate([depths[:1], depths, depths[-1:]])
-        return np.maximum(0.5 * (padded[:-1] + padded[1:]), self.grid.spacing[-1])
-
-    def _add_piston(self, table: Waves, piston: Piston, wave: Wave) -> None:
-        rest = self.grid.nearest_face(piston.x)
-        read = reading_of(wave, wave.depth, wave.gravity)
-        drive = Drive(law_of(table, wave, rest, read), read, self.flow, piston.absorb)
-        Paddle("piston", rest, 1, drive, self.flow)
-
-    def _add_absorbers(self) -> None:
-        """Walls that absorb what reaches them: by the depth of the water there."""
-        for table in self.case.absorber:
-            rest, water = self.grid.nearest_face(table.x), 1 if table.side == "left" else -1
-            column = round(rest / self.grid.spacing[0]) + min(water, 0)
-            depth = float(np.mean(self.particles.depths(self.grid)[column]))
-            read = reading_of(self.wave, depth, self.case.fluid.gravity, table.period)
-            Paddle(table.name, rest, water, Drive(None, read, self.flow, True), self.flow)
 
     # ---- marching ------------------------------------------------------------------------------------------------
 
@@ -217,20 +141,20 @@ class Simulation:
         """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold.
         And viscosity, which is explicit, stays stable: of no account in water.
         """
-        case = self.case.time
+        control = self.setup.time
         gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
         cells = max(self.flow.crossed(self.flow.fastest), 1e-300)  # crossed in a second
-        if case.step is not None:
-            courant = cells * case.step
+        if control.step is not None:
+            courant = cells * control.step
             if courant > 1.0:
                 raise SimulationError(
-                    f"time.step = {case.step:g} s is too long: the fastest particle crosses "
+                    f"time.step = {control.step:g} s is too long: the fastest particle crosses "
                     f"{courant:.2f} cells in a step, at most 1. Leave step out and give courant, or halve the step.",
                     diagnosis="The fixed time step is longer than the flow allows.",
                 )
-            return case.step
+            return control.step
         crossed = min(1.0 / cells, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
-        return min(case.courant * crossed, self.viscous_step)
+        return min(control.courant * crossed, control.viscous)
 
     def _place_gates(self) -> bool:
         """Closes the faces that the gates cover at the present time, and says whether one has moved. Their lower edges
@@ -238,7 +162,7 @@ class Simulation:
 
         Through a face that is a little open the pressure would drive the water of a whole cell, which cannot pass.
         """
-        flow, gates = self.flow, self.case.gate
+        flow, gates = self.flow, self.setup.gates
         if not gates:
             return False
         h, up = self.grid.spacing, self.grid.dimension - 1
@@ -270,12 +194,12 @@ class Simulation:
             raise SimulationError(
                 "the volume is no longer a number", diagnosis="A particle carries a volume that is not a number."
             )
-        if abs(drift) > 1e-9 and self.case.numerics.remesh != "paper":
+        if abs(drift) > 1e-9 and self.setup.numerics.remesh != "paper":
             raise SimulationError(
                 f"water was lost: the volume has changed by {drift:.2e} of itself",
                 diagnosis="The volume carried by the particles is conserved to round-off; a change is a fault.",
             )
-        self.budget.check(self.flow, self.ledger, self.case.fluid.density)
+        self.budget.check(self.flow, self.ledger, self.setup.fluid.density)
 
     # ---- observing -----------------------------------------------------------------------------------------------
 
@@ -291,7 +215,7 @@ class Simulation:
         return {**self.observers.sample(), **self._ledger_row()}
 
     def _ledger_row(self) -> dict[str, float]:
-        flow, ledger, rho = self.flow, self.ledger, self.case.fluid.density
+        flow, ledger, rho = self.flow, self.ledger, self.setup.fluid.density
         p, speed = flow.particles, flow.fastest
         volume = p.total_volume
         row = {
@@ -327,7 +251,7 @@ class Simulation:
     def _potential_energy(self) -> float:
         """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
         *along, down = self.flow.gravity
-        if self.case.waves is None or any(along):
+        if self.wave is None or any(along):
             return self.ledger.potential
         return -down * self._storage.height_moment(self.flow.eta, self._between_walls())
 
@@ -351,7 +275,7 @@ class Simulation:
 
     def frame(self) -> Snapshot:
         """Everything the writers and the pictures need of this instant, as copies."""
-        flow, p, rho = self.flow, self.particles, self.case.fluid.density
+        flow, p, rho = self.flow, self.particles, self.setup.fluid.density
         pressure, _ = at_points(flow, p.position)
         centre = [0.5 * (np.delete(u, 0, axis=a) + np.delete(u, -1, axis=a)) for a, u in enumerate(flow.velocity)]
         wet = flow.fill > 1e-3
@@ -447,16 +371,8 @@ class Simulation:
         ledger.go_on()
 
 
-def _set_off(case: Case, water: Particles) -> None:
+def _set_off(water: Iterable[Water], particles: Particles) -> None:
     """Gives the first particles the velocities of the shapes they lie in."""
-    for entry in case.water:
+    for entry in water:
         if entry.velocity is not None:
-            inside = shape_of(entry, case.dimension).contains(water.position)
-            water.velocity[inside] = entry.velocity
-
-
-def _porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:
-    a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity, period)
-    inertia = inertia_coefficient(entry.porosity, entry.added_mass)
-    on_rate = entry.added_mass_on == "rate"
-    return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia, on_rate)
+            particles.velocity[entry.shape.contains(particles.position)] = entry.velocity

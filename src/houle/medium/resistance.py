@@ -19,13 +19,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, sqrt
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from houle.case.tables.tank import Fluid, Porous, Resistance
 
 Pair = tuple[float, float]
-REFERENCE_VELOCITY = 0.10  # Darcy velocity [m/s] at which the laws are compared
 
 
 def to_and_fro(n: float, beta: float, period: float) -> float:
@@ -188,126 +183,9 @@ LAWS: dict[str, Law] = {
 }
 
 
-@dataclass(frozen=True)
-class Passport:
-    """What a body's resistance is, in every convention in use; `warnings` says where the law is stretched."""
-
-    name: str
-    words: str
-    source: str
-    status: str
-    porosity: float
-    grain_diameter: float | None  # [m]
-    period: float | None  # of the flow that goes to and fro [s]: inf in steady flow, None if kc or a and b are given
-    a: float  # [1/s]
-    oscillating: float  # part of a that is 7.5/KC [1/s]
-    b: float  # [1/m]
-    permeability: float  # K_p = nu/a [m2]
-    forchheimer: float  # C_f = b sqrt(K_p) [-]
-    inertia: float  # C_r [-]
-    added_mass_on: str  # "motion", or "rate": before du/dt alone
-    velocity: float  # expected Darcy velocity [m/s]
-    gradient: float  # drag at the expected velocity / g
-    linear_share: float  # a / (a + b u) at the expected velocity
-    reference_gradient: float  # drag at REFERENCE_VELOCITY / g
-    reynolds: float | None  # u_d d50 / nu
-    warnings: tuple[str, ...]
-
-
-def coefficients(
-    resistance: Resistance,
-    porosity: float,
-    grain_diameter: float | None,
-    viscosity: float,
-    period: float = inf,
-) -> Pair:
-    """Canonical a [1/s], b [1/m] of a body as its case file gives it. A law needs the grain diameter [m].
-
-    period  of the waves [s], for the laws that know it, unless the file gives kc or a period itself; inf: steady flow
-    """
-    r = resistance
-    if r.law is not None:
-        if grain_diameter is None:
-            raise ValueError(f"the law {r.law} needs a grain diameter")
-        return LAWS[r.law](porosity, grain_diameter, viscosity, **_given(r, period))
-    if r.permeability is not None and r.forchheimer is not None:
-        return from_permeability(r.permeability, r.forchheimer, viscosity)
-    if r.a is None or r.b is None:
-        raise ValueError("resistance needs a law, or a and b, or permeability and forchheimer")
-    return r.a, r.b
-
-
-def _given(r: Resistance, period: float) -> dict[str, float]:
-    """Coefficients of the law that the file states itself, and the period of the waves if it says nothing of it."""
-    stated = r.given
-    if r.law is None or not LAWS[r.law].knows_period or {"kc", "period"} & set(stated) or period == inf:
-        return stated
-    return {**stated, "period": period}
-
-
 def steady_velocity(a: float, b: float, gradient: float, gravity: float = 9.81) -> float:
     """Darcy velocity [m/s] at which a u + b u^2 = g i: steady flow under the hydraulic gradient i. inf without drag."""
     drive = gravity * gradient
     if a == 0 and b == 0:
         return inf
     return 2 * drive / (a + sqrt(a * a + 4 * b * drive))  # the stable root, also for b = 0
-
-
-def passport(
-    body: Porous, fluid: Fluid, velocity: float | None = None, gradient: float = 1.0, period: float = inf
-) -> Passport:
-    """Everything `houle check` prints about a body.
-
-    velocity  expected Darcy velocity [m/s]; without it the steady one under the hydraulic gradient [-] given.
-    period    of the waves [s], see `coefficients`
-    """
-    n, d, r = body.porosity, body.grain_diameter, body.resistance
-    a, b = coefficients(r, n, d, fluid.viscosity, period)
-    u = steady_velocity(a, b, gradient, fluid.gravity) if velocity is None else velocity
-    drag = lambda v: (a + b * v) * v / fluid.gravity if fluid.gravity else inf  # noqa: E731
-    permeability = fluid.viscosity / a if a else inf
-    law = LAWS.get(r.law or "")
-    taken = law.taken(**_given(r, period)) if law else {}
-    values = ", ".join(f"{k} = {v:.4g} s" if k == "period" else f"{k} = {v:g}" for k, v in taken.items() if v < inf)
-    known = taken["period"] if "period" in taken and taken["kc"] == inf else None
-    steady = law(n, d or 1.0, fluid.viscosity, **{**taken, "period": inf})[0] if law and known is not None else a
-    named = f"{r.law}: {values}" if values else str(r.law)
-    reynolds = u * d / fluid.viscosity if d is not None and fluid.viscosity and u < inf else None
-    return Passport(
-        name=body.name,
-        words=named if law else ("permeability, forchheimer" if r.permeability is not None else "a, b"),
-        source=law.source if law else "given in the case file",
-        status=law.status if law else "",
-        porosity=n,
-        grain_diameter=d,
-        period=known,
-        a=a,
-        oscillating=a - steady,
-        b=b,
-        permeability=permeability,
-        forchheimer=b * sqrt(permeability) if b else 0.0,
-        inertia=inertia_coefficient(n, body.added_mass),
-        added_mass_on=body.added_mass_on,
-        velocity=u,
-        gradient=drag(u) if u < inf else 0.0,
-        linear_share=a / (a + b * u) if u < inf else 0.0,
-        reference_gradient=drag(REFERENCE_VELOCITY),
-        reynolds=reynolds,
-        warnings=tuple(_stretched(law, n, d, reynolds)) if law else (),
-    )
-
-
-def _stretched(law: Law, n: float, d: float | None, reynolds: float | None) -> list[str]:
-    """Where a body lies outside the range its law was measured in, both numbers quoted."""
-    looked_at = (("porosity", n, law.porosity, ""), ("grain_diameter", d, law.diameter, " m"))
-    found = [
-        f"{word} = {value:g}{unit} is outside {low:g} to {high:g}{unit}, the range behind the law"
-        for word, value, (low, high), unit in looked_at
-        if value is not None and not low * 0.999 <= value <= high * 1.001
-    ]
-    if reynolds is not None and not law.reynolds[0] <= reynolds <= law.reynolds[1]:
-        low, high = law.reynolds
-        found.append(
-            f"Reynolds number u_d d50/nu = {reynolds:.0f} is outside {low:g} to {high:g}, the range behind the law"
-        )
-    return found

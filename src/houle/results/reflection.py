@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from houle import analysis
-from houle.medium.resistance import coefficients, inertia_coefficient
+from houle.case.build import coefficients
+from houle.medium.resistance import inertia_coefficient
 from houle.medium.shapes import shape_of
 
 if TYPE_CHECKING:

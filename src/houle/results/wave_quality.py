@@ -115,10 +115,11 @@ def _start(wave: Wave, flume: Flume, first: float, sponge: float) -> float:
 
 def measure(empty: Case, says: Silent) -> analysis.QualityCard:
     """Computes the twin and reads its card."""
+    from houle.case.build import build
     from houle.flow.simulation import Simulation
 
     assert empty.waves is not None and empty.waves.height is not None
-    simulation, wave = Simulation(empty), wave_of(empty)
+    simulation, wave = Simulation(build(empty)), wave_of(empty)
     places: list[tuple[float, ...]] = [(gauge.x,) for gauge in empty.gauge]
     rows, end = [(0.0, levels_at(simulation.flow, places))], empty.time.end
     says.start(simulation, end)

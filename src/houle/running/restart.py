@@ -99,6 +99,7 @@ def restored(
 
 def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[Any, str | None]:
     """The simulation, and what is wrong with the checkpoint, None if nothing is."""
+    from houle.case.build import build
     from houle.flow.simulation import Simulation
 
     state = {k: v for k, v in checkpoint.state.items() if not k.startswith("recorder.")}
@@ -110,7 +111,7 @@ def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[
         spent += [seconds for name in ("operations", "stages") for seconds in meta[name].values()]
         if meta["time"] != float(state["time"]) or not all(0 <= seconds < np.inf for seconds in spent):
             return None, "it does not agree with itself about the time"
-        simulation = Simulation(case, threads)
+        simulation = Simulation(build(case), threads)
         simulation.restore(state)
         known = simulation.state()
         recorder = Recorder(None, case.time.end, case.output.every, case.output.series_every)

@@ -83,12 +83,13 @@ def run(
         laboratory.read(points)  # raises now rather than at the end
     threads = usable_threads(threads, says)
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
+    from houle.case.build import build
     from houle.flow.simulation import Simulation
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
 
     with clock.stage("set-up"):
-        simulation = Simulation(case, threads)
+        simulation = Simulation(build(case), threads)
     says.say(f"houle: writing to {directory}")
     with exclusive(directory):
         new_folder(case.case.name, directory)  # raises if another run was made there meanwhile

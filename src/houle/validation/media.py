@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.medium.resistance import coefficients, inertia_coefficient
+from houle.case.build import coefficients
+from houle.medium.resistance import inertia_coefficient
 from houle.validation.exact import PorousMedium
 
 if TYPE_CHECKING:

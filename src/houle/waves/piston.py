@@ -13,13 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import degrees, pi
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from houle.case.tables.waves import Waves
 from houle.waves.dispersion import wave_number
 from houle.waves.wave import Array, Components, Wave, WaveError, ramp
 
@@ -296,17 +295,21 @@ class Follower:
         return min(offsets), max(offsets)
 
 
-def law_of(table: Waves, wave: Wave, rest: float, read: Reading) -> Law:
-    """How the piston of the table moves. Raises WaveError for waves that it cannot make.
+def law_of(wave: Wave, rest: float, read: Reading, duration: float, *, regular: bool) -> Law:
+    """How a piston at rest at x = `rest` [m] moves that makes a wave. Raises WaveError for waves that it cannot make.
 
     Long regular waves and single ones by following the water, other regular waves to second order, the rest to first.
+
+    duration  time in which the wave grows [s]
     """
-    if table.direction:
-        raise WaveError(f"waves.direction = {table.direction:g}: a piston makes waves along x only; take waves.source")
-    parts, duration = wave.components(), table.ramp_time()
-    if parts is None or (table.kind == "regular" and wave.height * wave.length**2 > LONG * wave.depth**3):
+    if wave.direction:
+        raise WaveError(
+            f"waves.direction = {degrees(wave.direction):g}: a piston makes waves along x only; take waves.source"
+        )
+    parts = wave.components()
+    if parts is None or (regular and wave.height * wave.length**2 > LONG * wave.depth**3):
         return Follower(wave, rest, duration)
-    if table.kind != "regular":
+    if not regular:
         return linear_motion(parts, wave.depth, wave.gravity, rest, read, duration)
     motion = linear_motion(parts.first, wave.depth, wave.gravity, rest, read, duration)
     return second_order(motion, wave.depth, wave.gravity, read)

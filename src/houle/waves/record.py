@@ -9,26 +9,17 @@ mean is one of them, so that the water is at rest before and after the event. Co
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.data.history import History, read_history
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import Array, Components, WaveError
 
 LEAD = 0.15  # of the duration, on each side
 REST = 2.0  # durations of still water after it, before the Fourier series begins again
-LEAST = 4  # samples
 SHORT = 10  # per cent of the steps of an uneven record are no longer than those that it is interpolated on
 TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
-
-
-def read(file: Path, start: float = 0.0) -> History:
-    """Times [s], 0 at `start` of the file, and elevations [m] of its columns t_s, eta_m. Raises WaveError."""
-    return read_history(file, ("eta_m",), "waves.file", LEAST, start, WaveError)
 
 
 def series(

@@ -31,8 +31,6 @@ SCHEMES: dict[str, dict[str, Any]] = {
         "tolerance": 1e-7,
     },
 }
-WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
-SHORTEST = 1e-6  # of sqrt(h/g), the time in which a cell falls by itself: a flow that asks for shorter steps is none
 
 
 class Time(Table):

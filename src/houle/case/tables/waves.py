@@ -1,4 +1,4 @@
-"""The table [waves] of a case file, and the wave it stands for.
+"""The table [waves] of a case file.
 
 Keys of a kind that does not use them are errors. Every message of the models starts with the key it is about, as in
 tables/; `case_errors.explain` puts the table's name before it.
@@ -6,18 +6,12 @@ tables/; `case_errors.explain` puts the table's name before it.
 
 from __future__ import annotations
 
-from math import cos, radians
-from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from houle.case.tables.base import Point2, Table
-from houle.waves import record, spectra, theories
-from houle.waves.cnoidal import solitary
-from houle.waves.current import carried, moved
-from houle.waves.dispersion import GRAVITY
-from houle.waves.wave import Wave
+from houle.waves.spectra import GAMMA
 
 Kind = Literal["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series"]
 Theory = Literal[
@@ -44,7 +38,6 @@ TAKES: dict[str, tuple[str, ...]] = {
 }
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # what only some kinds take
 MAKERS = ("source", "zone", "piston")
-ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
 
 
 class Focus(Table):
@@ -122,7 +115,7 @@ class Waves(Table):
         "seen from the bed [m/s]",
     )
     seed: int = Field(default=1, ge=0, description="of the random phases and frequencies: same seed, same sea")
-    gamma: float = Field(default=spectra.GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
+    gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
     file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
     start: float = Field(
         default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run, series only [s]"
@@ -207,51 +200,3 @@ class Waves(Table):
         if self.ramp is not None:
             return self.ramp
         return 2 * self.period if self.period is not None and self.kind != "focused" else 0.0
-
-
-def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
-    """The wave of the table; `folder` is where its file lies. Raises WaveError.
-
-    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.place`) and is
-    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker. What a
-    source sends to the left is the wave of -x.
-    """
-    angle = radians(table.direction)
-    current = table.current * cos(angle)
-    along = cos(angle) * (-1.0 if table.source is not None and table.source.side == "left" else 1.0)
-    if table.kind == "series":
-        known = record.read(folder / str(table.file), table.start)
-        eta = known.values[0]
-        return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
-    height, period = float(table.height or 0), float(table.period or 0)
-    if table.kind == "regular":
-        return carried(
-            lambda t: theories.regular(table.theory, height, t, table.depth, gravity, 0.0, angle),
-            period,
-            table.depth,
-            gravity,
-            current,
-        )
-    if table.kind == "solitary":
-        order = 3 if table.theory == "solitary-3" else 5
-        wave = moved(solitary(height, table.depth, gravity, 0.0, angle, order), current)
-        crest = table.place - ARRIVES * wave.length / 2
-        if table.focus is not None:
-            crest = table.focus.x - wave.celerity * table.focus.time
-        return moved(solitary(height, table.depth, gravity, crest, angle, order), current)
-    if table.kind == "focused" and table.focus is not None:
-        return spectra.focused(
-            height,
-            period,
-            table.depth,
-            gravity,
-            along * table.focus.x,
-            table.focus.time,
-            angle,
-            table.seed,
-            table.gamma,
-            current=current,
-        )
-    return spectra.irregular(
-        table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma, current=current
-    )

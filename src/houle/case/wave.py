@@ -1,0 +1,70 @@
+"""The wave that the table [waves] stands for, and the record of elevations that it may name."""
+
+from __future__ import annotations
+
+from math import cos, radians
+from pathlib import Path
+
+from houle.case.tables.waves import Waves
+from houle.data.history import History, read_history
+from houle.waves import record, spectra, theories
+from houle.waves.cnoidal import solitary
+from houle.waves.current import carried, moved
+from houle.waves.dispersion import GRAVITY
+from houle.waves.wave import Wave, WaveError
+
+ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
+LEAST = 4  # samples of a record
+
+
+def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
+    """The wave of the table; `folder` is where its file lies. Raises WaveError.
+
+    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.place`) and is
+    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker. What a
+    source sends to the left is the wave of -x.
+    """
+    angle = radians(table.direction)
+    current = table.current * cos(angle)
+    along = cos(angle) * (-1.0 if table.source is not None and table.source.side == "left" else 1.0)
+    if table.kind == "series":
+        known = read_record(table, folder)
+        eta = known.values[0]
+        return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
+    height, period = float(table.height or 0), float(table.period or 0)
+    if table.kind == "regular":
+        return carried(
+            lambda t: theories.regular(table.theory, height, t, table.depth, gravity, 0.0, angle),
+            period,
+            table.depth,
+            gravity,
+            current,
+        )
+    if table.kind == "solitary":
+        order = 3 if table.theory == "solitary-3" else 5
+        wave = moved(solitary(height, table.depth, gravity, 0.0, angle, order), current)
+        crest = table.place - ARRIVES * wave.length / 2
+        if table.focus is not None:
+            crest = table.focus.x - wave.celerity * table.focus.time
+        return moved(solitary(height, table.depth, gravity, crest, angle, order), current)
+    if table.kind == "focused" and table.focus is not None:
+        return spectra.focused(
+            height,
+            period,
+            table.depth,
+            gravity,
+            along * table.focus.x,
+            table.focus.time,
+            angle,
+            table.seed,
+            table.gamma,
+            current=current,
+        )
+    return spectra.irregular(
+        table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma, current=current
+    )
+
+
+def read_record(table: Waves, folder: Path = Path()) -> History:
+    """Times [s], 0 at `waves.start` of the file, and elevations [m] of its columns t_s, eta_m. Raises WaveError."""
+    return read_history(folder / str(table.file), ("eta_m",), "waves.file", LEAST, table.start, WaveError)

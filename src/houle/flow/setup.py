@@ -1,0 +1,123 @@
+"""What a simulation is made from: physics objects and numbers, for any number of rows of cells; no case file.
+
+`houle.case.build` makes a `Setup` from a case; a user of the library can make one by hand. A simulation keeps it,
+because it builds its flow anew on a higher grid when the water rises (rows.py).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING
+
+from houle.grid import Grid
+from houle.medium.sections import PorousBody
+from houle.medium.shapes import Shape
+from houle.observe import Observers
+from houle.waves.wave import Wave
+
+if TYPE_CHECKING:
+    from houle.flow.state import Flow
+
+WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
+SHORTEST = 1e-6  # of sqrt(h/g), the time in which a cell falls by itself: a flow that asks for shorter steps is none
+
+
+@dataclass(frozen=True)
+class Water:
+    """Water at the start: the region that it fills, and its Darcy velocity per axis [m/s], None at rest."""
+
+    shape: Shape
+    velocity: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Fluid:
+    """Density [kg/m3], kinematic viscosity [m2/s] and Smagorinsky constant [-] of the water, and what drives it.
+
+    gravity       downwards [m/s2]
+    acceleration  gravity and a uniform push together, per axis, the last one up [m/s2]
+    """
+
+    density: float
+    viscosity: float
+    smagorinsky: float
+    gravity: float
+    acceleration: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """The method by the names of its parts: scheme, transfer, kernel and remeshing, and their numbers.
+
+    order, flip   of the transfers "fmpm" and "flip"
+    remesh_every  least number of steps between two remeshings
+    correction    share of the error in the volume of a cell that the positions lose in a step [-]
+    tolerance     largest relative volume change max |div u_d| dt that the pressure solve may leave [-]
+    """
+
+    scheme: str
+    transfer: str
+    order: int
+    flip: float
+    kernel: str
+    remesh: str
+    remesh_every: int
+    correction: float
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class TimeControl:
+    """Length of the run and of its steps [s].
+
+    courant  cells that the fastest particle may cross in a step [-]; without meaning where `step` is given
+    step     fixed step [s]; None: by courant
+    viscous  longest step with which the explicit viscosity is stable [s]
+    """
+
+    end: float
+    courant: float = 0.5
+    step: float | None = None
+    viscous: float = inf
+
+
+@dataclass(frozen=True)
+class Gate:
+    """A thin plate across the tank at x [m] whose lower edge rises at `speed` [m/s] from the time `start` [s]."""
+
+    x: float
+    speed: float
+    start: float = 0.0
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything a simulation needs to build its flow.
+
+    grid        of the whole domain, and of the results; a run keeps its lowest rows
+    rows        rows of cells that a run starts with
+    water       where water stands at the start
+    bodies      porous bodies; where two overlap, the later one holds
+    solids      impermeable shapes, one for each body of the case
+    no_slip     per axis, last up: whether the low and the high wall hold the water back along them
+    gates       lifting gates
+    boundaries  functions that stand one kind of boundary each in a flow, in this order
+    observe     function that places what is observed in a flow
+    wave        the wave that is made, None without
+    """
+
+    grid: Grid
+    rows: int
+    water: tuple[Water, ...]
+    fluid: Fluid
+    numerics: Numerics
+    time: TimeControl
+    observe: Callable[[Flow], Observers]
+    bodies: tuple[PorousBody, ...] = ()
+    solids: tuple[Shape, ...] = ()
+    no_slip: tuple[tuple[bool, bool], ...] | None = None
+    gates: tuple[Gate, ...] = ()
+    boundaries: tuple[Callable[[Flow], None], ...] = ()
+    wave: Wave | None = None
