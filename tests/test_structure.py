@@ -63,7 +63,7 @@ LAYERS = (
         "flow.motion",
         "flow.correction",
         "flow.start",
-        "flow.remeshing",
+        "flow.remeshing_schedule",
         "observe",
         "boundary.exchange",
         "flow.budget",

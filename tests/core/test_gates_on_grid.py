@@ -10,7 +10,6 @@ from houle import _core
 from houle.flow.seeding import seed
 from houle.flow.state import Flow
 from houle.flow.surface import find_surface, sort
-from houle.flow.transfer import Pic
 from houle.grid import FloatArray, Grid
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
@@ -145,7 +144,7 @@ def test_both_levels_beside_a_gate_are_right(levels):
     flow = Flow(grid, medium, water, gravity=(0.0, 0.0))
     flow.place_gates(np.array([[0.5, 0.0]]))
     flow.sample_medium()
-    sort(flow, Pic())
+    sort(flow)
     find_surface(flow)
     np.testing.assert_allclose(flow.eta[:5], left, rtol=1e-12)
     if right:

@@ -16,7 +16,6 @@ from houle.flow.particles import Particles
 from houle.flow.seeding import seed
 from houle.flow.state import Flow
 from houle.flow.surface import find_surface, sort
-from houle.flow.transfer import Pic
 from houle.grid import Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import PorousBody
@@ -44,7 +43,7 @@ def flow_of(grid, particles, bodies=(), solids=()):
     """The flow after it has looked for its surface."""
     flow = Flow(grid, Medium.build(grid, bodies, solids), particles, gravity=(0.0,) * grid.dimension)
     flow.sample_medium()
-    sort(flow, Pic())
+    sort(flow)
     find_surface(flow)
     return flow
 

@@ -117,7 +117,7 @@ def test_the_mean_level_shows_water_that_is_too_wide_or_too_dense(density):
     right = float(sim.sample()["mean_level"])
     assert right == pytest.approx(sim.particles.total_volume / 0.4, abs=0.01 * 0.02)
     sim.particles.volume *= density
-    arrange(sim.flow, sim.step.transfer)
+    arrange(sim.flow)
     wrong = float(sim.sample()["mean_level"])
     assert wrong - sim.particles.total_volume / 0.4 == pytest.approx((1.0 - density) * right, rel=0.5)
 
@@ -139,7 +139,7 @@ def stirred(sim):
     deep = p.position[:, 2] + 2.0 * p.position[:, 0] < 0.24
     p.volume[lacking & deep] *= 0.5
     p.volume[crowded & deep] *= 1.5
-    arrange(sim.flow, sim.step.transfer)
+    arrange(sim.flow)
     return sim
 
 
@@ -152,7 +152,7 @@ def test_the_mean_level_counts_disorder_under_the_surface_as_neither_air_nor_wat
     assert (sim.flow.fill[sim.flow.active > 0] < 1.0 - 0.5**3).sum() > 10
     assert float(sim.sample()["mean_level"]) == pytest.approx(sim.particles.total_volume / plan, abs=0.005 * 0.02)
     sim.particles.volume[np.all(np.floor(sim.particles.position / 0.02) == [4, 4, 2], axis=1)] *= 1e-9
-    arrange(sim.flow, sim.step.transfer)
+    arrange(sim.flow)
     assert float(sim.sample()["mean_level"]) == pytest.approx(sim.particles.total_volume / plan, abs=0.005 * 0.02)
 
 
@@ -163,6 +163,6 @@ def test_the_mean_level_shows_stirred_water_that_is_too_wide_or_too_dense(densit
     plan = float(np.prod(STEEP["domain"]["size"][:2]))
     right = float(sim.sample()["mean_level"])
     sim.particles.volume *= density
-    arrange(sim.flow, sim.step.transfer)
+    arrange(sim.flow)
     wrong = float(sim.sample()["mean_level"])
     assert 0.33 < (wrong - sim.particles.total_volume / plan) / ((1.0 - density) * right) < 1.0

@@ -84,7 +84,7 @@ def test_what_comes_in_less_what_goes_out_is_what_is_there(scheme):
 def test_apic_carries_its_gradients_along():
     sim = channel({"velocity": 0.5}, {"velocity": -0.5}, velocity=0.5, numerics={"transfer": "apic"})
     run(sim, 30)
-    assert len(sim.step.transfer.arrays["affine"]) == len(sim.particles)
+    assert len(sim.particles["affine"]) == len(sim.particles)
     assert kept(sim) < 1e-14
 
 

@@ -17,26 +17,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.boundary.open_side import THIN, OpenSide
-from houle.flow.particles import Particles
 from houle.flow.state import Flow
 from houle.flow.surface import sort
-from houle.flow.transfer import Transfer
 from houle.grid import FloatArray
 
 SPARE = 1e-3  # by which a particle may be overfull: water that hardly moves makes no specks
 EDGE = 1e-6  # cells from the side: a particle that the side has stopped
 
 
-def exchange(flow: Flow, transfer: Transfer, dt: float) -> None:
+def exchange(flow: Flow, dt: float) -> None:
     """Lets water in and takes water out for a step of dt [s], after the particles have moved."""
     if not flow.sides:
         return
     for side in flow.sides:
         slices = _Slices.of(side, dt)
-        _take(flow, transfer, side, slices)
-        _let_in(flow, transfer, side, slices, dt)
-    flow.resize_particles()
-    sort(flow, transfer)
+        _take(flow, side, slices)
+        _let_in(flow, side, slices, dt)
+    sort(flow)
 
 
 @dataclass
@@ -75,7 +72,7 @@ def _near(flow: Flow, side: OpenSide, reach: float) -> tuple[NDArray[np.intp], F
     return chosen, distance[chosen], row
 
 
-def _take(flow: Flow, transfer: Transfer, side: OpenSide, slices: _Slices) -> None:
+def _take(flow: Flow, side: OpenSide, slices: _Slices) -> None:
     """Takes out what goes out, first from each row what passes its half face, the rest from any particle nearby."""
     demand = np.maximum(-slices.volume, 0.0)
     total = float(demand.sum()) + side.owed
@@ -105,9 +102,7 @@ def _take(flow: Flow, transfer: Transfer, side: OpenSide, slices: _Slices) -> No
     keep = np.ones(len(p), bool)
     keep[chosen[gone]] = False
     if not keep.all():
-        flow.particles = Particles(p.position[keep], p.velocity[keep], p.volume[keep])
-        for name, values in transfer.arrays.items():
-            transfer.arrays[name] = values[keep]
+        flow.particles = p.select(keep)
 
 
 def _first(volume: FloatArray, group: NDArray[np.intp], demand: FloatArray) -> FloatArray:
@@ -120,7 +115,7 @@ def _first(volume: FloatArray, group: NDArray[np.intp], demand: FloatArray) -> F
     return np.clip(demand - before, 0.0, volume)
 
 
-def _let_in(flow: Flow, transfer: Transfer, side: OpenSide, slices: _Slices, dt: float) -> None:
+def _let_in(flow: Flow, side: OpenSide, slices: _Slices, dt: float) -> None:
     """Lets in what comes in: to the first particle of each row while that is not full, else as a new one."""
     rows = np.flatnonzero(slices.volume > 0.0)
     if len(rows) == 0:
@@ -142,19 +137,8 @@ def _let_in(flow: Flow, transfer: Transfer, side: OpenSide, slices: _Slices, dt:
     full = (1.0 + SPARE) * slices.wet[rows] * side.area * h[0] / 2
     joins = (host >= 0) & (p.volume[host] + came <= full)
 
-    host, more = host[joins], came[joins]
-    share = (more / (p.volume[host] + more))[:, None]
-    p.position[host] += share * (position[joins] - p.position[host])
-    p.velocity[host] += share * (velocity[joins] - p.velocity[host])
-    p.volume[host] += more
-    new = ~joins
-    flow.particles = Particles(
-        np.concatenate([p.position, position[new]]),
-        np.concatenate([p.velocity, velocity[new]]),
-        np.concatenate([p.volume, came[new]]),
-    )
-    for name, values in transfer.arrays.items():
-        transfer.arrays[name] = np.concatenate([values, np.zeros((int(new.sum()), *values.shape[1:]))])
+    p.join(host[joins], position[joins], velocity[joins], came[joins])
+    flow.particles = p.append(position[~joins], velocity[~joins], came[~joins])
     side.came += float(came.sum())
 
 

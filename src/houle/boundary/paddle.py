@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.errors import SimulationError
 from houle.flow.particles import Particles
@@ -49,8 +50,7 @@ class Paddle:
         self.name, self.rest, self.water, self.command = name, rest, water, command
         self.x, self.velocity, self.flow = rest, 0.0, flow
         self.way = 0.0  # of the present step [m]
-        flow.particles = self._in_front(flow.particles)
-        flow.resize_particles()
+        flow.particles = flow.particles.select(self._in_front(flow.particles))
         self.leeway = self._clear() * flow.grid.spacing[0]
         flow.paddles.append(self)
         flow.driven.append(self)
@@ -64,10 +64,9 @@ class Paddle:
         other = np.flatnonzero((ahead != ahead[0]).any(axis=1))
         return max(1, min(LEEWAY, (int(other[0]) if len(other) else len(ahead) // 2) // 2))
 
-    def _in_front(self, particles: Particles) -> Particles:
-        """Those of the particles that stand on its side of the water."""
-        kept = self.water * (particles.position[:, 0] - self.x) > 0
-        return Particles(particles.position[kept], particles.velocity[kept], particles.volume[kept])
+    def _in_front(self, particles: Particles) -> NDArray[np.bool_]:
+        """Which of the particles stand on its side of the water (N,)."""
+        return self.water * (particles.position[:, 0] - self.x) > 0
 
     # ---- in the step ---------------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ import numpy as np
 from houle import _core
 from houle.boundary.paddle import place as place_paddles
 from houle.flow.state import Flow
-from houle.flow.transfer import Transfer, interpolate
+from houle.flow.transfer import interpolate
 from houle.grid import FloatArray
 
 
@@ -22,11 +22,11 @@ def move_paddles(flow: Flow) -> None:
         place_paddles(flow)
 
 
-def settle(flow: Flow, transfer: Transfer) -> None:
+def settle(flow: Flow) -> None:
     """Near porous faces where no pressure holds the water: particles take no more energy than the grid has there."""
     if flow.porous:
-        p, affine = flow.particles, transfer.arrays.get("affine")
-        medium, state = (*flow.crossing, flow.held), (flow.velocity, p.position, p.velocity, affine)
+        p = flow.particles
+        medium, state = (*flow.crossing, flow.held), (flow.velocity, p.position, p.velocity, p.get("affine"))
         _core.settle(flow.grid.core, *medium, *state, flow.interfaces)
 
 

@@ -5,17 +5,15 @@ to the nodes of a lattice with the M4' weights of the paper, eqs (6)-(7) (Monagh
 Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys. 182, 67). The two schemes differ where a particle does not
 see all the nodes around it, that is at the free surface and at porous interfaces.
 
-A remesher is called as `remesher(particles, porosity, between, gates)`, with the porosity (N,) at the particles or None
-for 1, and returns new Particles; their number changes, and whatever else is kept per particle has to be made anew.
-between: first node and end of the nodes along x, where walls stand that are not the sides of the tank. gates (K, 2): x
-of the face of each and height of its lower edge, on a grid line [m]; None: there are none.
+To add a remesher copy the shortest class, change its `__call__` and add a line to `STRATEGIES`. When particles are
+remeshed, and what happens around it, is in remeshing_schedule.py.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +27,50 @@ from houle.medium.medium import Medium
 from houle.medium.solids import Outline
 
 Nodes = tuple[int, int]
-Remesher = Callable[[Particles, FloatArray | None, Nodes, FloatArray | None], Particles]
 EVERYWHERE: Nodes = (0, -1)
+
+
+class Remesher(Protocol):
+    """What replaces the particles of a flow by others that are in order.
+
+    with_water: a remesher that makes the same particles, and hands on whatever stands in the place of the velocities as
+    it hands on volume (`handed_on`).
+    """
+
+    @property
+    def with_water(self) -> Remesher: ...
+
+    def __call__(
+        self,
+        particles: Particles,
+        porosity: FloatArray | None,
+        between: Nodes = EVERYWHERE,
+        gates: FloatArray | None = None,
+    ) -> Particles:
+        """New particles with the columns of the old ones, those declared holding the values of new particles.
+
+        porosity  at the particles (N,); None where it is 1 everywhere
+        between   first node and end of the nodes along x, where walls stand that are not the sides of the tank
+        gates     (K, 2) x of the face of each and height of its lower edge, on a grid line [m]; None: there are none
+        """
+        ...
+
+
+def handed_on(remesher: Remesher, old: Particles, values: FloatArray, *where: Any) -> FloatArray:
+    """What goes with the water: values (N, *shape) of the old particles, per volume, at the new ones (M, *shape).
+
+    where: all that the remesher takes besides the particles. The sum of volume times value is conserved as that of
+    volume is: by "conservative" to round-off.
+    """
+    flat, d = values.reshape(len(old), -1), old.position.shape[1]
+    handed = []
+    for first in range(0, flat.shape[1], d):  # d numbers at a time, in the place of the velocities
+        carried = np.zeros_like(old.position)
+        part = flat[:, first : first + d]
+        carried[:, : part.shape[1]] = part
+        new = remesher.with_water(Particles(old.position, carried, old.volume), *where)
+        handed.append(new.velocity[:, : part.shape[1]])
+    return np.concatenate(handed, axis=1).reshape(-1, *values.shape[1:])
 
 
 @dataclass(frozen=True)
@@ -66,7 +106,7 @@ class Conservative:
 
     @property
     def with_water(self) -> Conservative:
-        """Hands on what is in the place of the velocities as it hands on volume, across interfaces as well."""
+        """The same remeshing without sides: what goes with the water is handed across interfaces as volume is."""
         return replace(self, along=False)
 
     @classmethod
@@ -81,12 +121,9 @@ class Conservative:
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
-        p = particles
-        arrays = (p.position, p.velocity, p.volume, porosity)
-        pores = (self.porosity, self.body, self.outline)
-        new = _made_anew(
-            _core.remesh_conservative, self.grid.core, *pores, *arrays, *between, self.interfaces, self.along, gates
-        )
+        tank = (self.grid.core, self.porosity, self.body, self.outline)
+        others = (porosity, *between, self.interfaces, self.along, gates)
+        new = _made_anew(_core.remesh_conservative, tank, particles, others)
         if len(new) and not new.volume.min() > 0.0:
             worst = int(np.argmin(new.volume))
             raise SimulationError(
@@ -110,6 +147,11 @@ class Paper:
     threshold: float = 0.01
     outline: Outline | None = None
 
+    @property
+    def with_water(self) -> Paper:
+        """Itself: it hands on momentum as it hands on volume."""
+        return self
+
     def __call__(
         self,
         particles: Particles,
@@ -117,33 +159,54 @@ class Paper:
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
-        p, core = particles, self.grid.core
-        arrays = (p.position, p.velocity, p.volume, porosity)
-        new = _made_anew(_core.remesh_paper, core, *arrays, self.threshold, gates)
+        core = self.grid.core
+        new = _made_anew(_core.remesh_paper, (core,), particles, (porosity, self.threshold, gates))
         _core.leave_solids(core, self.outline, new.position)
         return new
 
 
-def _made_anew(scheme: Callable[..., tuple[FloatArray, FloatArray, FloatArray]], *arguments: Any) -> Particles:
-    """The particles of a remeshing of the core; it refuses those that are not numbers."""
+def _made_anew(
+    scheme: Callable[..., tuple[FloatArray, FloatArray, FloatArray]],
+    tank: tuple[Any, ...],
+    old: Particles,
+    others: tuple[Any, ...],
+) -> Particles:
+    """The particles of a remeshing of the core, `scheme(*tank, position, velocity, volume, *others)`.
+
+    SimulationError where it refuses the old ones, because they hold what is not a number.
+    """
+    arguments = (*tank, old.position, old.velocity, old.volume, *others)
     try:
-        return Particles(*scheme(*(np.ascontiguousarray(a) if isinstance(a, np.ndarray) else a for a in arguments)))
+        new = scheme(*(np.ascontiguousarray(a) if isinstance(a, np.ndarray) else a for a in arguments))
+        return old.replaced(*new)
     except FloatingPointError as error:
         raise SimulationError(
             str(error), diagnosis="What a particle carries became infinite or not a number in this step."
         ) from error
 
 
-def keep(
-    particles: Particles, porosity: FloatArray | None, between: Nodes = EVERYWHERE, gates: FloatArray | None = None
-) -> Particles:
-    """No remeshing: the particles as they are."""
-    return particles
+@dataclass(frozen=True)
+class Keep:
+    """No remeshing: the particles as they are, the very same object."""
+
+    @property
+    def with_water(self) -> Keep:
+        """Itself."""
+        return self
+
+    def __call__(
+        self,
+        particles: Particles,
+        porosity: FloatArray | None,
+        between: Nodes = EVERYWHERE,
+        gates: FloatArray | None = None,
+    ) -> Particles:
+        return particles
 
 
 # name in the case file -> remesher for a grid and what stands on it
 STRATEGIES: dict[str, Callable[[Grid, Medium], Remesher]] = {
     "conservative": Conservative.of,
     "paper": lambda grid, medium: Paper(grid, outline=medium.outline),
-    "none": lambda grid, medium: keep,
+    "none": lambda grid, medium: Keep(),
 }

@@ -52,8 +52,7 @@ def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
     it or at its corners, with its first moment; where there is none (a film thinner than that) it keeps it.
     Ordered as a raster, z fastest.
     """
-    found = list(seed_slabs(grid, medium, water))
-    return Particles(*(np.concatenate([getattr(p, n) for p in found]) for n in ("position", "velocity", "volume")))
+    return Particles.together(list(seed_slabs(grid, medium, water)))
 
 
 def seed_slabs(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Iterator[Particles]:

@@ -19,7 +19,7 @@ from houle.flow.budget import Budget
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
 from houle.flow.particles import Particles
 from houle.flow.remeshers import STRATEGIES
-from houle.flow.remeshing import TRAVEL, Remeshing
+from houle.flow.remeshing_schedule import TRAVEL, Remeshing
 from houle.flow.rows import more_rows, raised
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
@@ -74,11 +74,12 @@ class Simulation:
         transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
         travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
         remeshing = Remeshing(remesher, numerics.remesh_every, travel)
+        self.flow.particles.declare(*transfer.columns(grid.dimension))
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
         for stand in setup.boundaries:
             stand(self.flow)
         self._place_gates()
-        arrange(self.flow, transfer)
+        arrange(self.flow)
         self.observers = setup.observe(self.flow)
         self.budget = Budget(self.flow)
 
@@ -300,16 +301,14 @@ class Simulation:
 
     def state(self) -> dict[str, FloatArray]:
         """Everything the next step depends on."""
-        flow, p, ledger = self.flow, self.particles, self.ledger
+        flow, ledger = self.flow, self.ledger
         return {
             "time": np.array(self.time),
             "steps": np.array(self.steps),
             "remesh_count": np.array(self.step.remeshing.count),
             **{f"remesh_travelled.{a}": way for a, way in enumerate(self.step.remeshing.travelled)},
             "step_size": np.array(self.step_size),
-            "position": p.position,
-            "velocity": p.velocity,
-            "volume": p.volume,
+            **self.particles.state(),
             "pressure": flow.pressure,
             "psi": flow.psi,
             "volume0": np.array(ledger.volume0),
@@ -318,7 +317,6 @@ class Simulation:
             **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
             **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
             **{f"notes.{k}": np.array(float(v)) for k, v in ledger.notes.items()},
-            **{f"transfer.{k}": v for k, v in self.step.transfer.arrays.items()},
             **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
             **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},
             **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
@@ -339,9 +337,7 @@ class Simulation:
         self.step.remeshing.count = int(state["remesh_count"])
         ways = [f"remesh_travelled.{a}" for a in range(self.grid.dimension)]
         self.step.remeshing.travelled = [np.array(state[way]) for way in ways if way in state]
-        names = ("position", "velocity", "volume")
-        flow.particles = Particles(*(np.array(state[n], dtype=float, order="C") for n in names))
-        flow.resize_particles()
+        flow.particles.restore(state)
         flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
         for a, u in enumerate(flow.velocity):
             u[...] = state[f"face_velocity.{a}"]
@@ -355,8 +351,6 @@ class Simulation:
                 ledger.energy[name] = float(value)
             elif kind == "notes":
                 ledger.notes[name] = float(value)
-            elif kind == "transfer":
-                self.step.transfer.arrays[name] = np.array(value)
         for i, side in enumerate(flow.sides):
             side.state = state[f"open.{i}"]
             side.shear = np.array(state[f"open_shear.{i}"])
@@ -367,7 +361,7 @@ class Simulation:
         if flow.paddles:
             place(flow)
         self._place_gates()
-        arrange(flow, self.step.transfer)
+        arrange(flow)
         ledger.go_on()
 
 

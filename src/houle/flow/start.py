@@ -13,7 +13,7 @@ from houle.flow.transfer import Transfer
 def prepare(flow: Flow, transfer: Transfer, ledger: Ledger) -> None:
     """Surface and pressure of the water as it stands at the start of a run."""
     dt = 1e-3 * float(min(flow.grid.spacing)) ** 0.5  # s; the pressure does not depend on it
-    arrange(flow, transfer)
+    arrange(flow)
     transfer.to_grid(flow)
     for side in flow.sides:
         side.rest(flow)

@@ -13,7 +13,7 @@ from houle import _core
 from houle.boundary.makers import Maker
 from houle.boundary.open_side import OpenSide
 from houle.boundary.protocol import Driven
-from houle.flow.particles import Particles
+from houle.flow.particles import Column, Particles
 from houle.flow.remeshers import EVERYWHERE
 from houle.flow.seeding import column_pores, seed_slabs
 from houle.flow.viscosity import REACH, Smoothing
@@ -102,7 +102,8 @@ class Flow:
         self.start = np.zeros(math.prod(g.shape) + 1, np.int32)
         self.work = Workspace(grid, len(particles))
         self.measure_capacity()
-        self.resize_particles()
+        self._declare_columns()
+        self.sample_medium()
 
     @property
     def viscous(self) -> bool:
@@ -237,19 +238,29 @@ class Flow:
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
-    def resize_particles(self) -> None:
-        """Arrays for the present number of particles; what the work space has on the grid stays."""
-        n = len(self.particles)
-        self.work.resize(n)
-        self.side: FloatArray | None = None  # edge length of the particle's square [m], for the Gaussian kernels
-        self._bulk = self.particles.volume.copy() if self.porous else None
-        d = self.grid.dimension
-        self.inertia = np.ones((n, d), np.float32) if self.porous else None  # C_r / n at the particles, of each axis
+    def _declare_columns(self) -> None:
+        """What the flow keeps at each particle of the medium where it is."""
+        unread = float("nan")
+        if self.porous:
+            inertia = Column("inertia", "place", (self.grid.dimension,), unread, np.float32)
+            self.particles.declare(Column("bulk", "place", new=unread), inertia)
+        if self.kernel.startswith("gaussian"):
+            self.particles.declare(Column("side", "place", new=unread))
 
     @property
     def bulk(self) -> FloatArray:
-        """V / n of the particles [m^d], with the porosity (bi)linear from the cells."""
-        return self.particles.volume if self._bulk is None else self._bulk
+        """V / n of the particles (N,) [m^d], with the porosity (bi)linear from the cells."""
+        return self.particles["bulk"] if self.porous else self.particles.volume
+
+    @property
+    def inertia(self) -> FloatArray | None:
+        """C_r / n at the particles, of each axis (N, d) [-], float32; None in clear water, where it is 1."""
+        return self.particles.get("inertia")
+
+    @property
+    def side(self) -> FloatArray | None:
+        """Edge length of the square of each particle (N,) [m], for the Gaussian kernels; None for the others."""
+        return self.particles.get("side")
 
     @property
     def porosity(self) -> FloatArray:
@@ -263,11 +274,11 @@ class Flow:
             _core.return_memory()
 
     def sample_medium(self) -> None:
-        """Bulk volume and inertia at the present positions."""
+        """Reads the columns of the place: bulk volume, inertia and side at the present positions."""
         p, core = self.particles, self.grid.core
         if self.porous:
             pores = self.medium.listed("particle_porosity")
-            particles = (p.position, p.volume, self._bulk, self.inertia)
+            particles = (p.position, p.volume, self.bulk, self.inertia)
             _core.sample_medium(core, *self.crossing, pores, *particles, self.interfaces)
         self._find_sides()
 
@@ -278,13 +289,13 @@ class Flow:
         """
         p, m = self.particles, self.medium
         medium = (*self.crossing, self.held, m.listed("particle_porosity"), m.listed("coefficient"))
-        state = (p.position, p.volume, self._bulk, self.inertia, p.velocity)
+        state = (p.position, p.volume, self.bulk, self.inertia, p.velocity)
         _core.carry(self.grid.core, *medium, dt, *state, self.lag, ago, self.interfaces)
         self._find_sides()
 
     def _find_sides(self) -> None:
-        if self.kernel.startswith("gaussian"):
-            self.side = self.bulk ** (1.0 / self.grid.dimension)
+        if self.side is not None:
+            self.side[...] = self.bulk ** (1.0 / self.grid.dimension)
 
     def snapshot(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Copies of position, velocity and porosity of the particles."""

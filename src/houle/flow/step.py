@@ -15,7 +15,7 @@ from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, vi
 from houle.flow.ledger import Ledger
 from houle.flow.motion import arrive, drift, move, move_paddles, settle
 from houle.flow.projection import project
-from houle.flow.remeshing import Remeshing
+from houle.flow.remeshing_schedule import Remeshing
 from houle.flow.state import Flow
 from houle.flow.surface import arrange, find_surface, sort
 from houle.flow.transfer import Transfer
@@ -49,18 +49,18 @@ class Step:
             project(flow, kick, ledger)  # (15), (16)
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
-            settle(flow, self.transfer)
+            settle(flow)
         with ledger.operation("advection"):
             move_paddles(flow)
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("exchange"):
-            exchange(flow, self.transfer, dt)  # water that comes in and goes out
+            exchange(flow, dt)  # water that comes in and goes out
         with ledger.operation("correction"):
             correct_positions(flow, self.correction, dt, ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer, dt)  # (6), (7)
         with ledger.clock("surface"):
-            arrange(flow, self.transfer)  # which cells hold water, where the surface cuts the grid
+            arrange(flow)  # which cells hold water, where the surface cuts the grid
 
 
 @dataclass
@@ -84,7 +84,7 @@ class PaperStep:
             start, velocity, porosity = flow.snapshot()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n
         with ledger.clock("surface"):
-            start, velocity, porosity = sort(flow, self.transfer, start, velocity, porosity)
+            start, velocity, porosity = sort(flow, start, velocity, porosity)
             find_surface(flow)
         with ledger.operation("forces"):
             sph_viscosity(flow, dt, ledger)  # (3) in (13), on the particles
@@ -98,18 +98,18 @@ class PaperStep:
             project(flow, dt, ledger)  # (15), (16)
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
-            settle(flow, self.transfer)
+            settle(flow)
         with ledger.operation("advection"):
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
             arrive(flow, start, mean, dt)  # (17): r + dt (u + u')/2 / n
         with ledger.operation("exchange"):
-            exchange(flow, self.transfer, dt)
+            exchange(flow, dt)
         with ledger.operation("correction"):
             correct_positions(flow, self.correction, dt, ledger)
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer, dt)
         with ledger.clock("surface"):
-            arrange(flow, self.transfer)
+            arrange(flow)
 
 
 STEPS: dict[str, type[Step] | type[PaperStep]] = {"houle": Step, "jh2020": PaperStep}

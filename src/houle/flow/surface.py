@@ -5,32 +5,30 @@ from __future__ import annotations
 from houle import _core
 from houle.errors import SimulationError
 from houle.flow.state import Flow
-from houle.flow.transfer import Transfer
 from houle.grid import FloatArray
 
 MOST_CONTRAST = 30.0  # of C_r/n^2 at an interface that the Bernoulli force carries water across
 
 
-def sort(flow: Flow, transfer: Transfer, *more: FloatArray) -> tuple[FloatArray, ...]:
+def sort(flow: Flow, *more: FloatArray) -> tuple[FloatArray, ...]:
     """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
-    p, work = flow.particles, flow.work
+    work = flow.work
+    work.resize(len(flow.particles))
     try:
-        _core.sort_particles(flow.grid.core, p.position, p.velocity, p.volume, work.spare, work.order, flow.start)
+        flow.particles.sort(flow.grid, work.spare, work.order, flow.start)
     except FloatingPointError as error:
         raise SimulationError(
             str(error),
             diagnosis="A particle is where no water can be, most often because a velocity became infinite or not a "
             "number in this step.",
         ) from error
-    for name, values in transfer.arrays.items():
-        transfer.arrays[name] = values[work.order]
     flow.sample_medium()
     return tuple(values[work.order] for values in more)
 
 
-def arrange(flow: Flow, transfer: Transfer) -> None:
+def arrange(flow: Flow) -> None:
     """Particles sorted, medium sampled where they are, surface found: what a step starts from and leaves."""
-    sort(flow, transfer)
+    sort(flow)
     flow.fastest = flow.max_pore_speed()
     find_surface(flow)
 

@@ -4,7 +4,7 @@ Each strategy has
     to_grid(flow)              particle velocities -> flow.velocity and flow.work.face_mass
     to_particles(flow)         flow.velocity -> particle velocities, at the positions of to_grid
     renew(flow)                after the particles were replaced by new ones
-and may carry per-particle state in `arrays` (sorted, remeshed and saved with the particles).
+and names in `columns` what it keeps for each particle besides the velocity (particles.py).
 The mass of a particle in a transfer is its bulk volume V/n, so that what is conserved is sum V/n u_d = sum V u.
 """
 
@@ -13,9 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 from houle import _core
+from houle.flow.particles import Column
 from houle.grid import Faces, FloatArray
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class Transfer(Protocol):
-    arrays: dict[str, FloatArray]
+    def columns(self, dimension: int) -> tuple[Column, ...]: ...
 
     def to_grid(self, flow: Flow) -> None: ...
 
@@ -44,8 +43,9 @@ def interpolate(flow: Flow, faces: Faces, out: FloatArray) -> None:
 class Pic:
     """The velocity of a particle is the grid's: stable and very dissipative (Harlow 1955)."""
 
-    def __init__(self) -> None:
-        self.arrays: dict[str, FloatArray] = {}
+    def columns(self, dimension: int) -> tuple[Column, ...]:
+        """Nothing is kept for each particle."""
+        return ()
 
     def to_grid(self, flow: Flow) -> None:
         _core.to_faces(
@@ -57,7 +57,7 @@ class Pic:
         flow.interpolated = flow.kernel == "linear"
 
     def renew(self, flow: Flow) -> None:
-        """Nothing is kept per particle."""
+        """There is nothing to make anew."""
 
 
 class Fmpm(Pic):
@@ -69,7 +69,6 @@ class Fmpm(Pic):
     """
 
     def __init__(self, order: int) -> None:
-        super().__init__()
         self.order = order
 
     def to_grid(self, flow: Flow) -> None:
@@ -88,7 +87,6 @@ class Flip(Pic):
     """Particles keep their velocity and take the change of the grid's (Brackbill & Ruppel 1986), blended with PIC."""
 
     def __init__(self, share: float) -> None:
-        super().__init__()
         self.share = share
 
     def to_grid(self, flow: Flow) -> None:
@@ -111,22 +109,21 @@ class Flip(Pic):
 class Apic(Pic):
     """PIC that also carries the velocity gradient of each particle (Jiang et al. 2015): `affine` (N, d, d)."""
 
+    def columns(self, dimension: int) -> tuple[Column, ...]:
+        """The velocity gradient [1/s], made from the grid."""
+        return (Column("affine", "grid", (dimension, dimension)),)
+
     def to_grid(self, flow: Flow) -> None:
-        n, d = flow.particles.position.shape
-        if "affine" not in self.arrays:
-            self.arrays["affine"] = np.zeros((n, d, d))
-        faces = (flow.velocity, flow.work.face_mass)
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, self.arrays["affine"], *faces, flow.interfaces)
+        p, faces = flow.particles, (flow.velocity, flow.work.face_mass)
+        _core.to_faces(*_cloud(flow), p.velocity, p["affine"], *faces, flow.interfaces)
 
     def to_particles(self, flow: Flow) -> None:
         super().to_particles(flow)
-        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.interfaces)
+        self.renew(flow)
 
     def renew(self, flow: Flow) -> None:
-        """New particles take the velocity gradient of the grid: without it remeshing would be PIC."""
-        n, d = flow.particles.position.shape
-        self.arrays["affine"] = np.zeros((n, d, d))
-        _core.affine_from(*_cloud(flow), flow.velocity, self.arrays["affine"], flow.interfaces)
+        """Particles take the velocity gradient of the grid; new ones too, without it remeshing would be PIC."""
+        _core.affine_from(*_cloud(flow), flow.velocity, flow.particles["affine"], flow.interfaces)
 
 
 def make(name: str, *, flip: float, order: int) -> Transfer:

@@ -1,4 +1,9 @@
-"""When the particles are made anew: every so many steps, with what else is kept per particle."""
+"""When the particles of a flow are remeshed, and what goes on around it.
+
+Columns of the water and the marks of the crests are handed on; paddles move the particles in front of them to where the
+lattice has its nodes, and back; near porous interfaces no energy is made. How particles are remeshed stands in
+remeshers.py.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.flow.particles import Particles
-from houle.flow.remeshers import Conservative, Remesher
+from houle.flow.remeshers import Remesher, handed_on
 from houle.flow.state import SPRAY, Flow
 from houle.flow.transfer import Transfer
 from houle.grid import FloatArray, widened
@@ -16,11 +20,13 @@ TRAVEL = 0.5  # cells that water must have come away from where it was for remes
 
 
 class Remeshing:
-    """Calls a remesher every `every` steps, once water has moved on by `travel` cells. `count`: steps since the last.
+    """Calls a remesher every `every` steps, once water has moved on by `travel` cells.
 
-    travelled: integral of the pore velocity on the faces since then [m], float32. What counts is how far water is from
-    where it was, not the length of its way: waves whose orbits are small beside a cell carry the particles to and fro
-    and leave them in order (docs/decisions/0009, 0010).
+    count      steps since the last remeshing
+    travelled  integral of the pore velocity on the faces since then [m], float32
+
+    What counts is how far water is from where it was, not the length of its way: waves whose orbits are small beside a
+    cell carry the particles to and fro and leave them in order (docs/decisions/0009, 0010).
     """
 
     def __init__(self, remesher: Remesher, every: int, travel: float = TRAVEL) -> None:
@@ -29,7 +35,10 @@ class Remeshing:
         self.travelled: list[NDArray[np.float32]] = []
 
     def after_step(self, flow: Flow, transfer: Transfer, dt: float) -> None:
-        """dt: how long the particles have moved with the velocity of the grid [s]."""
+        """Remeshes where it is time to, with all that goes with the water. On return the particles are not sorted.
+
+        dt: how long the particles have moved with the velocity of the grid [s].
+        """
         self.count += 1
         self.travelled = self.travelled or [np.zeros(u.shape, np.float32) for u in flow.velocity]
         farthest = self._go_on(flow, dt)
@@ -39,30 +48,34 @@ class Remeshing:
         for way in self.travelled:
             way[...] = 0.0
         flow.sample_medium()
-        porosity, old = flow.porosity if flow.porous else None, flow.particles
-        marks = [crest.marks(old.position) for crest in flow.crests]
         energy = _energy(flow) if flow.porous else None
-        flow.drop_work()
-        for paddle in flow.paddles:
-            paddle.to_lattice(old)
-        where = (porosity, flow.nodes, flow.gates)
-        flow.particles = self.remesher(old, *where)
-        hand_on = self.remesher.with_water if isinstance(self.remesher, Conservative) else self.remesher
-        handed = [  # marks go with the water
-            None if mark is None else hand_on(Particles(old.position, mark, old.volume), *where) for mark in marks
-        ]
-        for paddle in flow.paddles:
-            paddle.from_lattice(flow.particles)
-        if flow.paddles:
-            _core.leave_solids(flow.grid.core, flow.medium.outline, flow.particles.position)
-        for crest, new in zip(flow.crests, handed, strict=True):
-            if new is not None:
-                crest.handed(flow.particles.position, flow.particles.volume, new.velocity)
-        flow.resize_particles()
+        self._remesh(flow)
         flow.sample_medium()
         if energy is not None:
             _take_made(flow, energy)
         transfer.renew(flow)
+
+    def _remesh(self, flow: Flow) -> None:
+        """Replaces the particles; the columns and marks that go with the water are handed on with it."""
+        old, porosity = flow.particles, flow.porosity if flow.porous else None
+        marks = [crest.marks(old.position) for crest in flow.crests]
+        where = (porosity, flow.nodes, flow.gates)
+        flow.drop_work()
+        for paddle in flow.paddles:
+            paddle.to_lattice(old)
+        new = self.remesher(old, *where)
+        if new is not old:
+            for name in old.of_kind("water"):
+                new[name][...] = handed_on(self.remesher, old, old[name], *where)
+        handed = [None if mark is None else handed_on(self.remesher, old, mark, *where) for mark in marks]
+        for paddle in flow.paddles:
+            paddle.from_lattice(new)
+        if flow.paddles:
+            _core.leave_solids(flow.grid.core, flow.medium.outline, new.position)
+        for crest, shares in zip(flow.crests, handed, strict=True):
+            if shares is not None:
+                crest.handed(new.position, new.volume, shares)
+        flow.particles = new
 
     def _go_on(self, flow: Flow, dt: float) -> float:
         """Adds a step to `travelled`; returns how far water is from where it was, the largest of all faces [cells]."""
