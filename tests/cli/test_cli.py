@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 import houle
-from houle.case.describe import KERNELS, REMESHING, TOPICS, TRANSFERS
+from houle.case.describe import KERNELS, TOPICS
 from houle.case.describe import SCHEMES as WORDS
 from houle.case.model import load
 from houle.case.reading import shipped
@@ -22,6 +22,8 @@ from houle.case.tables.control import SCHEMES, Numerics
 from houle.check.rules import require
 from houle.cli import app
 from houle.errors import CaseError, SimulationError
+from houle.flow.remeshers import REMESHERS
+from houle.flow.transfer import TRANSFERS
 from houle.medium.resistance import LAWS
 
 
@@ -229,7 +231,7 @@ def test_every_choice_of_the_case_file_is_described(here):
     choices = {name: set(get_args(field.annotation)) for name, field in Numerics.model_fields.items()}
     assert set(TRANSFERS) == choices["transfer"]
     assert set(KERNELS) == choices["kernel"]
-    assert set(REMESHING) == choices["remesh"]
+    assert set(REMESHERS) == choices["remesh"]
     assert set(WORDS) == set(SCHEMES) == choices["scheme"]
     words = houle_says("describe", "resistance")[1]
     assert all(law in words for law in LAWS) and "RECALLED" in words

@@ -9,7 +9,7 @@ import reference_remesh as reference
 from clouds import lattice, numbered
 from houle import _core
 from houle.flow.particles import Particles
-from houle.flow.remeshers import STRATEGIES, Conservative, Paper
+from houle.flow.remeshers import REMESHERS, Conservative, Paper
 from houle.grid import Grid
 from houle.medium.medium import Medium
 
@@ -249,8 +249,8 @@ def test_lone_drop_stays_as_it_is():
 def test_nothing_is_remeshed_to_nothing():
     grid = Grid((3, 3), (1.0, 1.0), (False, False))
     nothing = Particles(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
-    for make in STRATEGIES.values():
-        assert len(make(grid, Medium.build(grid))(nothing, np.ones(0))) == 0
+    for remesher in REMESHERS.values():
+        assert len(remesher.of(grid, Medium.build(grid))(nothing, np.ones(0))) == 0
 
 
 @pytest.mark.parametrize("scatter", SCATTERS)

@@ -36,25 +36,6 @@ SCHEMES: Rows = {
         PAPER,
     ),
 }
-TRANSFERS: Rows = {
-    "fmpm": (
-        "Grid velocities from the full mass matrix, inverted to `order` terms: filters out what the grid cannot see. "
-        "order 1 is PIC; many terms approach the conservative l2 projection.",
-        "Nairn & Hammerquist (2021), Comput. Methods Appl. Mech. Eng. 377; Maljaars et al. (2018) for the projection",
-    ),
-    "flip": (
-        "Particles keep their velocity and take the change of the grid's; `flip` is its share, the rest is PIC.",
-        "Brackbill & Ruppel (1986), J. Comput. Phys. 65; blend: Zhu & Bridson (2005), ACM Trans. Graph. 24",
-    ),
-    "pic": (
-        "Particles take the velocity of the grid: stable, dissipates most.",
-        "Harlow (1955); Evans & Harlow (1957)",
-    ),
-    "apic": (
-        "PIC whose particles carry the velocity gradient too: conserves angular momentum, no noise, some dissipation.",
-        "Jiang, Schroeder, Selle, Teran & Stomakhin (2015), ACM Trans. Graph. 34",
-    ),
-}
 KERNELS: Rows = {
     "linear": ("Tent over two nodes per axis.", "Harlow's cloud in cell; Brackbill & Ruppel (1986)"),
     "quadratic": (
@@ -76,18 +57,6 @@ KERNELS: Rows = {
         "the Taylor series approaches.",
         "docs/theory.md",
     ),
-}
-REMESHING: Rows = {
-    "conservative": (
-        "M'4 onto the lattice where the neighbourhood is full; elsewhere to the nodes that hold water, beside porous "
-        "interfaces in proportion to their porosity. Volume, momentum and height kept to round-off.",
-        "docs/decisions; kernel: Monaghan (1985), Cottet & Koumoutsakos (2000)",
-    ),
-    "paper": (
-        "New particles on every node that old ones reach, each filled: raises the free surface at every remeshing.",
-        f"{PAPER}, (6)-(7)",
-    ),
-    "none": ("Particles are never made regular; the position correction alone keeps them apart.", "-"),
 }
 OTHERS: Rows = {
     "correction": (
@@ -167,7 +136,9 @@ def schema(console: Console) -> None:
 
 
 def transfers(console: Console) -> None:
-    console.print(_rows("transfer", TRANSFERS))
+    from houle.flow.transfer import TRANSFERS
+
+    console.print(_rows("transfer", {name: (t.what, t.source) for name, t in TRANSFERS.items()}))
 
 
 def kernels(console: Console) -> None:
@@ -175,7 +146,9 @@ def kernels(console: Console) -> None:
 
 
 def remeshing(console: Console) -> None:
-    console.print(_rows("remesh", REMESHING))
+    from houle.flow.remeshers import REMESHERS
+
+    console.print(_rows("remesh", {name: (r.what, r.source) for name, r in REMESHERS.items()}))
 
 
 def _table(*columns: str) -> Table:

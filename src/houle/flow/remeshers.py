@@ -1,19 +1,22 @@
-"""Remeshing: the particles are replaced by new ones on a regular lattice, two per cell and axis.
+"""Remeshers: the particles of a flow are replaced by new ones on a regular lattice, two per cell and axis.
 
-Advection brings particles together along some directions and apart along others; every N steps their water is handed
-to the nodes of a lattice with the M4' weights of the paper, eqs (6)-(7) (Monaghan 1985, J. Comput. Phys. 60, 253;
-Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys. 182, 67). The two schemes differ where a particle does not
+Advection brings particles together along some directions and apart along others; from time to time their water goes to
+the nodes of a lattice, with the M4' weights of the paper, eqs (6)-(7). The remeshers differ where a particle does not
 see all the nodes around it, that is at the free surface and at porous interfaces.
 
-To add a remesher copy the shortest class, change its `__call__` and add a line to `STRATEGIES`. When particles are
-remeshed, and what happens around it, is in remeshing_schedule.py.
+To add a remesher copy the shortest class, change its row and its `__call__`, and add it to `REMESHERS` at the bottom.
+When particles are remeshed, and what is done around it, is in remeshing_schedule.py.
+
+References: Monaghan 1985, J. Comput. Phys. 60, 253 (M4'); Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys.
+182, 67 (remeshing); Cottet & Koumoutsakos 2000, Vortex Methods (both).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +33,28 @@ Nodes = tuple[int, int]
 EVERYWHERE: Nodes = (0, -1)
 
 
-class Remesher(Protocol):
-    """What replaces the particles of a flow by others that are in order.
+class Remesher:
+    """What every remesher does, and what it is called: `name` in the case file, `what` and `source` for the reader.
 
-    with_water: a remesher that makes the same particles, and hands on whatever stands in the place of the velocities as
-    it hands on volume (`handed_on`).
+    travel     cells that water must have come away from where it was for a remeshing to be worth it
+    conserves  whether the volume of the water stays what it is, to round-off
     """
 
+    name: ClassVar[str]
+    what: ClassVar[str]
+    source: ClassVar[str]
+    travel: ClassVar[float] = 0.5
+    conserves: ClassVar[bool] = True
+
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Remesher:
+        """The remesher for the water in a tank, with what stands in it."""
+        return cls()
+
     @property
-    def with_water(self) -> Remesher: ...
+    def with_water(self) -> Remesher:
+        """Makes the same particles, and hands on whatever stands in the place of the velocities as it does volume."""
+        return self
 
     def __call__(
         self,
@@ -47,41 +63,27 @@ class Remesher(Protocol):
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
-        """New particles with the columns of the old ones, those declared holding the values of new particles.
+        """New particles with the columns of the old ones; what was declared has the values of new particles.
 
         porosity  at the particles (N,); None where it is 1 everywhere
         between   first node and end of the nodes along x, where walls stand that are not the sides of the tank
         gates     (K, 2) x of the face of each and height of its lower edge, on a grid line [m]; None: there are none
         """
-        ...
-
-
-def handed_on(remesher: Remesher, old: Particles, values: FloatArray, *where: Any) -> FloatArray:
-    """What goes with the water: values (N, *shape) of the old particles, per volume, at the new ones (M, *shape).
-
-    where: all that the remesher takes besides the particles. The sum of volume times value is conserved as that of
-    volume is: by "conservative" to round-off.
-    """
-    flat, d = values.reshape(len(old), -1), old.position.shape[1]
-    handed = []
-    for first in range(0, flat.shape[1], d):  # d numbers at a time, in the place of the velocities
-        carried = np.zeros_like(old.position)
-        part = flat[:, first : first + d]
-        carried[:, : part.shape[1]] = part
-        new = remesher.with_water(Particles(old.position, carried, old.volume), *where)
-        handed.append(new.velocity[:, : part.shape[1]])
-    return np.concatenate(handed, axis=1).reshape(-1, *values.shape[1:])
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class Conservative:
-    """Volume, momentum and centre of volume conserved, up to the surface and across porous interfaces.
+class Conservative(Remesher):
+    """Conserves volume, momentum and centre of volume, up to the surface and across porous interfaces.
 
-    porosity: of the cells, as Medium.listed gives it, None: 1; body: of the half cells, negative in solids
-    (Medium.body). Between the centres of the cells the porosity is linear; where it varies the nodes around a particle
-    receive in proportion to that of their half cells, so that water which fills the pores goes on filling them.
-    outline: of the solids, None: none. interfaces: along which each side hands on its own velocity (docs/theory.md,
-    section 8); with_water: the same remeshing for what goes with the water itself.
+    porosity    of the cells, as Medium.listed gives it; None: 1 everywhere
+    body        number of the body that each half cell lies in (Medium.body), negative in solids
+    outline     of the solids; None: there are none
+    interfaces  where porous media meet; along them each side hands on its own velocity (docs/theory.md, section 8)
+    along       whether it does so: not for what goes with the water itself
+
+    Between the centres of the cells the porosity is linear; where it varies the nodes around a particle receive in
+    proportion to that of their half cells, so that water which fills the pores goes on filling them.
 
     Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so the potential energy; what would
     have left the tank or entered a solid is made good by those around it. Around a periodic axis x is known up to its
@@ -97,6 +99,13 @@ class Conservative:
     sits the centre of the water they got. Spray away from any water is left as it is.
     """
 
+    name = "conservative"
+    what = (
+        "M'4 onto the lattice where the neighbourhood is full; elsewhere to the nodes that hold water, beside porous "
+        "interfaces in proportion to their porosity. Volume, momentum and height kept to round-off."
+    )
+    source = "docs/decisions; kernel: Monaghan (1985), Cottet & Koumoutsakos (2000)"
+
     grid: Grid
     porosity: tuple[NDArray[np.int32], FloatArray] | None
     body: NDArray[np.int8]
@@ -104,15 +113,16 @@ class Conservative:
     interfaces: Interfaces | None = None
     along: bool = True
 
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Conservative:
+        """The remesher of a tank with what stands in it."""
+        porosity = medium.listed("particle_porosity") if medium.bodies else None
+        return cls(grid, porosity, medium.body, medium.outline, medium.interfaces)
+
     @property
     def with_water(self) -> Conservative:
         """The same remeshing without sides: what goes with the water is handed across interfaces as volume is."""
         return replace(self, along=False)
-
-    @classmethod
-    def of(cls, grid: Grid, medium: Medium) -> Conservative:
-        porosity = medium.listed("particle_porosity") if medium.bodies else None
-        return cls(grid, porosity, medium.body, medium.outline, medium.interfaces)
 
     def __call__(
         self,
@@ -121,6 +131,7 @@ class Conservative:
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
+        """New particles; SimulationError where the old ones hold what is no number, or are too far apart."""
         tank = (self.grid.core, self.porosity, self.body, self.outline)
         others = (porosity, *between, self.interfaces, self.along, gates)
         new = _made_anew(_core.remesh_conservative, tank, particles, others)
@@ -135,22 +146,28 @@ class Conservative:
 
 
 @dataclass(frozen=True)
-class Paper:
-    """A full particle, V = n h^d, on every node filled to more than the threshold: paper eqs (6)-(7).
+class Paper(Remesher):
+    """Puts a full particle, V = n h^d, on every node that is filled to more than the threshold: paper, eqs (6)-(7).
 
-    With V_j inside the sum of (6) and the tensor product of the 1-D weights (7), without which constants are not
-    reproduced. Raises the surface by up to a lattice spacing each time, and so the volume: the offset that the paper
-    reports in its section 5.1. There to be compared with, not to be used.
+    V_j is inside the sum of (6), and the weights (7) are a tensor product: without that constants are not reproduced.
+    The surface rises by up to a lattice spacing each time, and the volume with it: the offset that the paper reports in
+    its section 5.1. It is there to be compared with, not to be used. Comes every so many steps, moved or not.
     """
+
+    name = "paper"
+    what = "New particles on every node that old ones reach, each filled: raises the free surface at every remeshing."
+    source = "Ramos Ortega, Beaudoin & Huberson (2020), 17emes Journees de l'Hydrodynamique (JH2020), (6)-(7)"
+    travel = 0.0
+    conserves = False
 
     grid: Grid
     threshold: float = 0.01
     outline: Outline | None = None
 
-    @property
-    def with_water(self) -> Paper:
-        """Itself: it hands on momentum as it hands on volume."""
-        return self
+    @classmethod
+    def of(cls, grid: Grid, medium: Medium) -> Paper:
+        """The remesher of a tank, of which it sees the solids alone."""
+        return cls(grid, outline=medium.outline)
 
     def __call__(
         self,
@@ -159,10 +176,46 @@ class Paper:
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
+        """New particles, out of the solids; SimulationError where the old ones hold what is no number."""
         core = self.grid.core
         new = _made_anew(_core.remesh_paper, (core,), particles, (porosity, self.threshold, gates))
         _core.leave_solids(core, self.outline, new.position)
         return new
+
+
+class Keep(Remesher):
+    """Leaves the particles as they are."""
+
+    name = "none"
+    what = "Particles are never made regular; the position correction alone keeps them apart."
+    source = "-"
+
+    def __call__(
+        self,
+        particles: Particles,
+        porosity: FloatArray | None,
+        between: Nodes = EVERYWHERE,
+        gates: FloatArray | None = None,
+    ) -> Particles:
+        """The particles themselves."""
+        return particles
+
+
+def handed_on(remesher: Remesher, old: Particles, values: FloatArray, *where: Any) -> FloatArray:
+    """What goes with the water: values (N, *shape) of the old particles, per volume, at the new ones (M, *shape).
+
+    where: all that the remesher takes besides the particles. The sum of volume times value is conserved as that of
+    volume is: by "conservative" to round-off.
+    """
+    width, d = math.prod(values.shape[1:]), old.position.shape[1]
+    flat, handed = values.reshape(len(old), width), []
+    for first in range(0, width, d):  # d numbers at a time, in the place of the velocities
+        carried = np.zeros_like(old.position)
+        part = flat[:, first : first + d]
+        carried[:, : part.shape[1]] = part
+        new = remesher.with_water(Particles(old.position, carried, old.volume), *where)
+        handed.append(new.velocity[:, : part.shape[1]])
+    return np.concatenate(handed, axis=1).reshape(-1, *values.shape[1:])
 
 
 def _made_anew(
@@ -185,28 +238,4 @@ def _made_anew(
         ) from error
 
 
-@dataclass(frozen=True)
-class Keep:
-    """No remeshing: the particles as they are, the very same object."""
-
-    @property
-    def with_water(self) -> Keep:
-        """Itself."""
-        return self
-
-    def __call__(
-        self,
-        particles: Particles,
-        porosity: FloatArray | None,
-        between: Nodes = EVERYWHERE,
-        gates: FloatArray | None = None,
-    ) -> Particles:
-        return particles
-
-
-# name in the case file -> remesher for a grid and what stands on it
-STRATEGIES: dict[str, Callable[[Grid, Medium], Remesher]] = {
-    "conservative": Conservative.of,
-    "paper": lambda grid, medium: Paper(grid, outline=medium.outline),
-    "none": lambda grid, medium: Keep(),
-}
+REMESHERS: dict[str, type[Remesher]] = {kind.name: kind for kind in (Conservative, Paper, Keep)}

@@ -16,11 +16,9 @@ from houle.flow.state import SPRAY, Flow
 from houle.flow.transfer import Transfer
 from houle.grid import FloatArray, widened
 
-TRAVEL = 0.5  # cells that water must have come away from where it was for remeshing to be worth it
-
 
 class Remeshing:
-    """Calls a remesher every `every` steps, once water has moved on by `travel` cells.
+    """Calls a remesher every `every` steps, once water has moved on by `travel` cells (`Remesher.travel`).
 
     count      steps since the last remeshing
     travelled  integral of the pore velocity on the faces since then [m], float32
@@ -29,8 +27,8 @@ class Remeshing:
     cell carry the particles to and fro and leave them in order (docs/decisions/0009, 0010).
     """
 
-    def __init__(self, remesher: Remesher, every: int, travel: float = TRAVEL) -> None:
-        self.remesher, self.every, self.travel = remesher, every, travel
+    def __init__(self, remesher: Remesher, every: int) -> None:
+        self.remesher, self.every, self.travel = remesher, every, remesher.travel
         self.count = 0
         self.travelled: list[NDArray[np.float32]] = []
 

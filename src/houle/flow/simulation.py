@@ -18,8 +18,8 @@ from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
 from houle.flow.particles import Particles
-from houle.flow.remeshers import STRATEGIES
-from houle.flow.remeshing_schedule import TRAVEL, Remeshing
+from houle.flow.remeshers import REMESHERS
+from houle.flow.remeshing_schedule import Remeshing
 from houle.flow.rows import more_rows, raised
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
@@ -28,7 +28,7 @@ from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
 from houle.flow.surface import arrange, find_surface
-from houle.flow.transfer import make
+from houle.flow.transfer import TRANSFERS
 from houle.grid import FloatArray, axes
 from houle.medium.columns import Storage
 from houle.medium.medium import Medium
@@ -70,10 +70,8 @@ class Simulation:
             kernel=numerics.kernel, tolerance=numerics.tolerance,
             viscosity=fluid.viscosity, smagorinsky=fluid.smagorinsky, no_slip=setup.no_slip,
         )  # fmt: skip
-        remesher = STRATEGIES[numerics.remesh](grid, self.medium)
-        transfer = make(numerics.transfer, flip=numerics.flip, order=numerics.order)
-        travel = 0.0 if numerics.remesh == "paper" else TRAVEL  # the paper's comes every so many steps, moved or not
-        remeshing = Remeshing(remesher, numerics.remesh_every, travel)
+        transfer = TRANSFERS[numerics.transfer].of(order=numerics.order, flip=numerics.flip)
+        remeshing = Remeshing(REMESHERS[numerics.remesh].of(grid, self.medium), numerics.remesh_every)
         self.flow.particles.declare(*transfer.columns(grid.dimension))
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
         for stand in setup.boundaries:
@@ -195,7 +193,7 @@ class Simulation:
             raise SimulationError(
                 "the volume is no longer a number", diagnosis="A particle carries a volume that is not a number."
             )
-        if abs(drift) > 1e-9 and self.setup.numerics.remesh != "paper":
+        if abs(drift) > 1e-9 and self.step.remeshing.remesher.conserves:
             raise SimulationError(
                 f"water was lost: the volume has changed by {drift:.2e} of itself",
                 diagnosis="The volume carried by the particles is conserved to round-off; a change is a fault.",

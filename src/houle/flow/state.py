@@ -303,16 +303,6 @@ class Flow:
 
     # ---- derived -------------------------------------------------------------------------------------------------
 
-    def velocity_change(self) -> Faces:
-        """What forces and pressure added to each face, for FLIP: new - drag * old, carried outwards as far as particles
-        under a flat surface see it: one layer with the linear kernel.
-        """
-        near = 1 if self.kernel == "linear" else 2
-        change = [n - d * o for n, d, o in zip(self.velocity, self.drag, self.old_velocity, strict=True)]
-        known = [(v == 1).astype(np.uint8) for v in self.work.valid]
-        _core.extrapolate(self.grid.core, 6, near, self.work.face_mass, SPRAY * self.grid.cell_volume, change, known)
-        return change
-
     def kinetic_energy(self) -> float:
         return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)
 
