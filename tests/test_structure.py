@@ -28,8 +28,7 @@ LAYERS = (
         "medium.integrals",
         "fields",
         "flow.snapshot",
-        "data.csv_table",
-        "data.history",
+        "data",
     }
     | {"medium.interfaces"}
     | {"case.messages", "case.reading"},
@@ -80,7 +79,6 @@ LAYERS = (
         "check.paddles",
         "check.passport",
         "check.rules",
-        "data.laboratory",
     },
     {"flow.simulation"},
     {"output"},

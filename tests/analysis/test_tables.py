@@ -11,7 +11,8 @@ import pytest
 
 from houle import analysis
 from houle.analysis.errors import AnalysisError
-from houle.data.csv_table import missing_codes, read_columns, unit_of
+from houle.data.csv_table import missing_codes, read_columns
+from houle.data.units import unit_of
 from houle.errors import CaseError
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "campaigns"))

@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError, positive
 from houle.analysis.holes import ROUNDED, UNITS, rising, seconds
-from houle.data.csv_table import LENGTHS, TIMES, Table, is_time, missing_codes, read_table, unit_of
+from houle.data.csv_table import Table, missing_codes, read_table
+from houle.data.units import LENGTHS, TIMES, is_time, unit_of
 
 if TYPE_CHECKING:
     import xarray

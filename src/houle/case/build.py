@@ -27,7 +27,8 @@ from houle.case.tables.sides import COLUMNS, Open
 from houle.case.tables.tank import Absorber, Porous, Resistance
 from houle.case.tables.waves import Waves
 from houle.data.csv_table import header
-from houle.data.history import History, read_history, require_file
+from houle.data.files import require_file
+from houle.data.history import History, read_history
 from houle.errors import CaseError
 from houle.flow.rows import MARGIN
 from houle.flow.setup import Fluid, Gate, Numerics, Setup, TimeControl, Water

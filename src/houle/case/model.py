@@ -93,6 +93,11 @@ class Case(Table):
         return self._path
 
     @property
+    def laboratory(self) -> Path | None:
+        """The file of laboratory points that [reference] names, None without."""
+        return None if self.reference is None else self.folder / self.reference.surface
+
+    @property
     def dimension(self) -> int:
         return self.domain.dimension
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from houle.case.messages import NAME, nearest, shortened, show, toml_line
+from houle.data.files import exists
 from houle.errors import CaseError
 
 if sys.version_info >= (3, 11):
@@ -43,14 +44,6 @@ def find(source: str | Path) -> Path:
 def is_file(path: Path) -> bool:
     """Whether an ordinary file is there: no folder, device or pipe, and no name that the system does not take."""
     return exists(path) and path.is_file()
-
-
-def exists(path: Path) -> bool:
-    """Whether something is there; False for a name that the system does not take."""
-    try:
-        return path.exists()
-    except (OSError, ValueError):
-        return False
 
 
 def read_toml(path: Path) -> dict[str, Any]:

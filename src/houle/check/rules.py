@@ -26,7 +26,6 @@ from houle.check.open_sides import open_sides_fit
 from houle.check.paddles import paddles_fit
 from houle.check.section import Finding, Section
 from houle.check.waves import sponges_fit, waves_fit
-from houle.data import laboratory
 from houle.errors import CaseError
 from houle.flow.rows import memory
 from houle.flow.setup import SHORTEST, WAVE_SHARE
@@ -409,7 +408,7 @@ def machine_memory() -> float | None:
 
 def reference_is_there(s: Section) -> Iterator[Finding]:
     """The laboratory file named can be opened."""
-    r, path = s.case.reference, laboratory.path(s.case)
+    r, path = s.case.reference, s.case.laboratory
     if r is not None and path is not None and not is_file(path):
         text = (
             f'= "{r.surface}" is not a file beside the case file, in {s.case.folder}: put it there, or remove '

@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from houle.case.reading import exists
 from houle.data.csv_table import read_columns
+from houle.data.files import require_file
 from houle.errors import CaseError
 from houle.grid import FloatArray
 
@@ -75,12 +75,6 @@ def read_history(
         said = f"{after:g} s stands twice with other values" if before == after else f"{after:g} s follows {before:g} s"
         raise error(f"{key} = {file} needs rising times: {said} (row {rows[i + 1]}); sort its rows, one for each time")
     return History(table[0] - start, list(table[1:]), start)
-
-
-def require_file(file: Path, key: str, error: type[CaseError] = CaseError) -> None:
-    """Raises `error` where something else than a file is: a device or a pipe would be read for ever."""
-    if exists(file) and not file.is_file():
-        raise error(f"{key} = {file} cannot be read: it is a folder, a device or a pipe, no file")
 
 
 def shortcomings(

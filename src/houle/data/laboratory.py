@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from houle.data.csv_table import read_columns
 from houle.errors import CaseError
-
-if TYPE_CHECKING:
-    from houle.case.model import Case
 
 
 class Data(Protocol):
@@ -51,13 +48,6 @@ class Score:
     points: int
 
 
-def path(case: Case) -> Path | None:
-    """The file of laboratory points that the case names, beside the case file."""
-    if case.reference is None:
-        return None
-    return case.folder / case.reference.surface
-
-
 def read(file: Path) -> Points:
     """The points of a CSV file: comment lines (#), a header t_s,x_m,eta_m, numbers. Raises CaseError."""
     (time, x, eta), rows = read_columns(file, COLUMNS, "reference.surface")
@@ -71,9 +61,8 @@ def read(file: Path) -> Points:
     return Points(time[order], x[order], eta[order])
 
 
-def instants(case: Case) -> list[float]:
-    """The times [s] of the laboratory points of a case, at which a run leaves a profile and a frame; none without."""
-    file = path(case)
+def instants(file: Path | None) -> list[float]:
+    """The times [s] of the laboratory points in a file, at which a run leaves a profile and a frame; none without."""
     return [] if file is None else read(file).times
 
 

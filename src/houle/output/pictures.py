@@ -30,7 +30,7 @@ def write_pictures(
 ) -> list[Path]:
     """All pictures that the run has data for. fields: a FieldsReader; case: for bodies, gates and laboratory points."""
     folder = Path(directory)
-    file = laboratory.path(case)
+    file = case.laboratory
     points = laboratory.read(file) if file else None
     made = [surface_picture(folder / "surface.png", case, grid, surface, points)]
     made.append(pressure_picture(folder / "pressure.png", case, grid, fields, points))

@@ -58,7 +58,7 @@ def _pressure_words(pair: Pair) -> str:
 
 def profiles(path: Path, pair: Pair, words: str) -> Path:
     """The surface of both schemes at the instants of the laboratory, with its points."""
-    file = laboratory.path(pair.ours.case)
+    file = pair.ours.case.laboratory
     assert file is not None
     points, scores, grid = laboratory.read(file), pair.scores(), _grid(pair.ours)
     times = [row for row in scores if row[0] > 0][:6]

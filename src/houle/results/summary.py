@@ -24,7 +24,7 @@ def reference(run: Run) -> dict[str, Any] | None:
     """The score against the laboratory points of the case, in plain numbers; None if there are none to compare with."""
     from houle.output import surface_table
 
-    file = laboratory.path(run.case)
+    file = run.case.laboratory
     if file is None or run.case.reference is None:
         return None
     score = laboratory.score(laboratory.read(file), surface_table(run.directory))

@@ -79,7 +79,7 @@ def run(
     for finding in rules.require(case):
         if finding.level == "warning":
             says.say(f"warning: {finding}")
-    if (points := laboratory.path(case)) is not None:
+    if (points := case.laboratory) is not None:
         laboratory.read(points)  # raises now rather than at the end
     threads = usable_threads(threads, says)
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")

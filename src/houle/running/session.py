@@ -79,7 +79,7 @@ class Session:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         self.outputs = Outputs(directory, case, simulation.grid)
         intervals = (case.output.every, case.output.series_every)
-        self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case))
+        self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case.laboratory))
         self.manifest = {**collect(case, threads), "porous": drag_of(case)}
         self.newest = Path()  # checkpoint
 
