@@ -82,7 +82,7 @@ class Clock:
         return 3600.0 * hour + 60.0 * float(minute) + float((second or "0").replace(",", "."))
 
     def _day(self, found: re.Match[str], number: int) -> int:
-        """Counts days as `date.toordinal` does. Raises ValueError, or `error` where day and month cannot be told apart."""
+        """Counts days as `date.toordinal` does. Raises ValueError, or `error` where day and month may be swapped."""
         a, b, c = found["a"], found["b"], found["c"]
         if len(a) == 4:
             return datetime.date(int(a), int(b), int(c)).toordinal()
