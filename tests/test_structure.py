@@ -76,9 +76,9 @@ LAYERS = (
         "flow.rows",
         "check.section",
         "check.waves",
-        "check.open_sides",
-        "check.paddles",
-        "check.passport",
+        "check.boundaries",
+        "check.cost",
+        "check.drag",
         "check.rules",
         "data.laboratory",
     },
@@ -93,8 +93,8 @@ LAYERS = (
         "running.restart",
         "running.failure",
         "running.session",
-        "check.cost",
-        "check.wave_report",
+        "check.gauges",
+        "check.picture",
     }
     | {
         "results.reflection",
