@@ -75,9 +75,9 @@ LAYERS = (
         "flow.rows",
         "check.section",
         "check.waves",
-        "check.open_sides",
-        "check.paddles",
-        "check.passport",
+        "check.boundaries",
+        "check.cost",
+        "check.drag",
         "check.rules",
     },
     {"flow.simulation"},
@@ -91,8 +91,8 @@ LAYERS = (
         "running.restart",
         "running.failure",
         "running.session",
-        "check.cost",
-        "check.wave_report",
+        "check.gauges",
+        "check.picture",
     }
     | {
         "results.reflection",

@@ -31,8 +31,9 @@ else:
 
 from houle.case import new, reading
 from houle.case.model import Case, load
-from houle.check import cost, rules, wave_report
-from houle.check.open_sides import open_rows
+from houle.check import cost, drag, gauges, report, rules
+from houle.check.picture import draw
+from houle.check.report import open_rows
 from houle.errors import CaseError
 
 LIMIT, CLOCK = 2.0, 60.0  # s of processor time for a file, of waiting
@@ -158,14 +159,14 @@ def look(source: Path | dict[str, Any], picture: Path | None) -> None:
     """What `houle check` does, without the terminal."""
     case = load(source)
     rules.require(case)
-    wave_report.steady(case)
-    for rows in (wave_report.wave_rows, wave_report.absorber_rows, wave_report.sponge_rows, open_rows):
+    gauges.steady(case)
+    for rows in (report.wave_rows, report.absorber_rows, report.sponge_rows, open_rows):
         rows(case)
-    cost.passports(case)
+    drag.drag_sheets(case)
     cost.price(case)
     case.to_toml()
     if picture is not None:
-        cost.draw(case, picture)
+        draw(case, picture)
 
 
 @contextmanager

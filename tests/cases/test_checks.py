@@ -7,8 +7,9 @@ from matplotlib.image import imread
 
 from houle.case.model import load
 from houle.case.reading import shipped
-from houle.check import cost, rules
-from houle.check import section as layout
+from houle.check import cost, drag, rules
+from houle.check.picture import draw
+from houle.check.section import CrossSection
 from houle.errors import CaseError
 
 RESISTANCE = {"law": "ergun-1952"}
@@ -183,21 +184,21 @@ def test_a_sloping_layer_counts_across_not_along():
     thick = 0.02 * 2**0.5
     layer = {"polygon": [[0.3, 0.0], [0.6, 0.3], [0.6 - thick, 0.3], [0.3 - thick, 0.0]]}
     case = tank(porous=[rock(**layer, box=None, grain_diameter=0.002)])
-    section = rules.Section(case)
+    section = CrossSection(case)
     assert section.thickness(section.porous[0]) == pytest.approx(0.02, rel=0.03)
 
 
 def test_the_drop_of_the_level():
-    assert rules.Section(tank()).drop() == 0
+    assert CrossSection(tank()).drop() == 0
     dam = tank(water=[{"box": [[0.0, 0.0], [0.3, 0.3]]}, {"below": 0.1}])
-    assert rules.Section(dam).drop() == pytest.approx(0.2)
+    assert CrossSection(dam).drop() == pytest.approx(0.2)
     beach = tank(solid=[{"polygon": [[0.5, 0.0], [1.0, 0.0], [1.0, 0.45]]}])
-    assert rules.Section(beach).drop() == pytest.approx(0)  # the dry beach is no drop
+    assert CrossSection(beach).drop() == pytest.approx(0)  # the dry beach is no drop
 
 
 def test_a_column_of_water_thinner_than_what_is_sampled_is_seen():
     case = tank(water=[{"box": [[0.0005, 0.0], [0.0015, 0.3]]}])
-    assert layout.Section(case).depth() == pytest.approx(0.3)
+    assert CrossSection(case).depth() == pytest.approx(0.3)
     assert cost.price(case).steps > 100
 
 
@@ -229,7 +230,7 @@ def test_the_reference_file_must_be_there(tmp_path):
 
 
 def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
-    monkeypatch.setattr(rules, "machine_memory", lambda: 8e9)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 8e9)
     message = error(tank(1e-6))  # 3e11 cells of water: must be told before anything is allocated
     assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "8 GB" in message
 
@@ -237,7 +238,7 @@ def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
 @pytest.mark.parametrize("memory", [None, 1e15])
 def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, memory):
     """On any machine, and told before anything is allocated: 1.2e10 half cells, where 32 bits number 2.1e9."""
-    monkeypatch.setattr(rules, "machine_memory", lambda: memory)
+    monkeypatch.setattr(cost, "machine_memory", lambda: memory)
     message = error(tank(1e-5))
     assert (
         "domain.spacing = 1e-05 m makes 1.2e+10 half cells" in message and "at most 2.15e+09 can be numbered" in message
@@ -248,13 +249,13 @@ def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, m
         _ = tank(1e-5).domain.grid.core
 
 
-def test_expected_velocity_of_a_passport_follows_the_drop():
-    still = cost.passports(tank(porous=[rock()]))[0]
-    assert still.gradient == pytest.approx(cost.STILL)
+def test_expected_velocity_of_a_drag_sheet_follows_the_drop():
+    still = drag.drag_sheets(tank(porous=[rock()]))[0]
+    assert still.gradient == pytest.approx(drag.STILL)
     water = [{"box": [[0.0, 0.0], [0.3, 0.3]]}, {"below": 0.15}]
-    dam = cost.passports(tank(porous=[rock()], water=water))[0]
+    dam = drag.drag_sheets(tank(porous=[rock()], water=water))[0]
     assert dam.gradient == pytest.approx(0.5)  # 0.15 m over 0.3 m
-    assert cost.passports(tank(porous=[rock(box=[[0.3, 0.0], [0.4, 0.4]])], water=water))[0].gradient == 1.0
+    assert drag.drag_sheets(tank(porous=[rock(box=[[0.3, 0.0], [0.4, 0.4]])], water=water))[0].gradient == 1.0
 
 
 def test_the_price_counts_particles_and_follows_the_spacing():
@@ -275,7 +276,7 @@ def test_the_picture_shows_the_section(tmp_path):
         sensor=[{"at": [0.1, 0.1]}],
         gate=[{"x": 0.25, "speed": 1.0}],
     )
-    cost.draw(case, tmp_path / "section.png")
+    draw(case, tmp_path / "section.png")
     picture = imread(tmp_path / "section.png")
     pixels = picture[..., :3].reshape(-1, 3)
     for colour in ((0xA9, 0xD3, 0xEE), (0x77, 0x77, 0x77), (0xC0, 0x39, 0x2B)):  # water, solid, gate
@@ -341,5 +342,5 @@ def test_whatever_stands_anywhere_is_a_case_or_a_message(tmp_path):
 
 def test_a_title_is_shown_as_it_is(tmp_path):
     case = tank(case={"name": "tank", "title": r"$\undefined and 50 % of $"})
-    cost.draw(case, tmp_path / "section.png")
+    draw(case, tmp_path / "section.png")
     assert (tmp_path / "section.png").exists()

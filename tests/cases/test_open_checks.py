@@ -5,7 +5,7 @@ import pytest
 from houle.case.build import records
 from houle.case.model import load
 from houle.check import rules
-from houle.check.open_sides import open_rows
+from houle.check.report import open_rows
 from houle.errors import CaseError
 
 RIVER = [{"side": "left", "discharge": 0.075, "ramp": 2.0}, {"side": "right", "level": 0.25}]

@@ -9,8 +9,9 @@ import pytest
 
 from houle import load
 from houle.case.reading import override
+from houle.check.gauges import steady
+from houle.check.report import absorber_rows, wave_rows
 from houle.check.rules import check, require
-from houle.check.wave_report import absorber_rows, steady, wave_rows
 from houle.errors import CaseError
 
 FLUME: dict[str, Any] = {

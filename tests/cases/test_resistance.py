@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from houle.case.build import coefficients
 from houle.case.model import load
-from houle.check.passport import passport
+from houle.check.drag import drag_sheet
 from houle.medium.resistance import (
     LAWS,
     from_permeability,
@@ -147,9 +147,9 @@ def body(**changes):
     return load(tables)
 
 
-def test_passport_of_the_rock():
+def test_drag_sheet_of_the_rock():
     case = body()
-    p = passport(case.porous[0], case.fluid, velocity=0.1)
+    p = drag_sheet(case.porous[0], case.fluid, velocity=0.1)
     assert (p.a, p.b) == pytest.approx((4.37, 577), rel=0.002)
     assert p.permeability == pytest.approx(2.287e-7, rel=1e-3)  # 1e-6/4.3725
     assert p.forchheimer == pytest.approx(0.2760, rel=1e-3)  # 577.2 sqrt(2.287e-7)
@@ -159,15 +159,15 @@ def test_passport_of_the_rock():
     assert p.inertia == pytest.approx(1.35388, rel=1e-5)
 
 
-def test_passport_in_steady_flow_uses_the_whole_gradient():
+def test_drag_sheet_in_steady_flow_uses_the_whole_gradient():
     case = body()
-    p = passport(case.porous[0], case.fluid, gradient=0.5)
+    p = drag_sheet(case.porous[0], case.fluid, gradient=0.5)
     assert p.gradient == pytest.approx(0.5)
 
 
-def test_passport_warns_outside_the_range_of_the_law():
+def test_drag_sheet_warns_outside_the_range_of_the_law():
     case = body(grain_diameter=0.08, porosity=0.7)
-    warnings = "; ".join(passport(case.porous[0], case.fluid).warnings)
+    warnings = "; ".join(drag_sheet(case.porous[0], case.fluid).warnings)
     assert "porosity = 0.7 is outside 0.39 to 0.53" in warnings
     assert "grain_diameter = 0.08 m is outside 0.003 to 0.0159" in warnings
 
@@ -220,24 +220,24 @@ def test_the_period_of_a_sea_is_that_of_its_energy():
     assert sea < group < 1.5, "narrower, nearer to the peak"
 
 
-def test_the_passport_says_what_the_added_mass_stands_before():
+def test_the_drag_sheet_says_what_the_added_mass_stands_before():
     from io import StringIO
 
     from rich.console import Console
 
-    from houle.check.cost import drag_of
-    from houle.check.report import _passport
+    from houle.check.drag import drag_of
+    from houle.check.report import _drag
 
     for on, words in (("motion", "C_r = 1.354 "), ("rate", "C_r = 1.354 before du/dt alone")):
         case = body(added_mass_on=on)
         out = StringIO()
-        Console(file=out, width=200).print(_passport(passport(case.porous[0], case.fluid)))
+        Console(file=out, width=200).print(_drag(drag_sheet(case.porous[0], case.fluid)))
         assert words in out.getvalue() and drag_of(case)[0]["added_mass_on"] == on
 
 
-def test_run_theory_and_passport_have_the_same_drag():
+def test_run_theory_and_drag_sheet_have_the_same_drag():
     from houle.case.build import build
-    from houle.check.cost import drag_of
+    from houle.check.drag import drag_of
     from houle.flow.simulation import Simulation
     from houle.results.reflection import block_theory
 

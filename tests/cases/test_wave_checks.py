@@ -5,7 +5,7 @@ import pytest
 from matplotlib.image import imread
 
 from houle.case.model import load
-from houle.check import cost, rules, wave_report
+from houle.check import gauges, picture, report, rules
 from houle.errors import CaseError
 
 WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25}  # L = 1.667 m
@@ -159,13 +159,13 @@ def test_doubts_quote_the_numbers_and_the_cure(doubt):
 
 def test_the_window_is_that_of_the_analysis():
     case = flume(porous=[block()], gauge=[{"x": 3.0}, {"x": 3.4}])
-    good = wave_report.steady(case)
+    good = gauges.steady(case)
     assert good is not None and good.level == "info" and "can be taken apart from" in good.text
-    short = wave_report.steady(load(case, {"time.end": 8.0}))
+    short = gauges.steady(load(case, {"time.end": 8.0}))
     assert short is not None and (short.level, short.key) == ("warning", "time.end") and "s longer" in short.text
     source = SOURCE["source"] | {"x": 2.0, "side": "right"}
     closed = flume({"source": source}, gauge=[{"x": 3.0}], porous=[block(3.5, 4.5)])
-    there_and_back = wave_report.steady(closed)
+    there_and_back = gauges.steady(closed)
     assert there_and_back is not None and there_and_back.key == "domain.size" and "[[sponge]]" in there_and_back.text
 
 
@@ -174,33 +174,33 @@ def test_an_empty_flume_wants_the_front_to_pass_the_last_gauge():
     wave = case.wave
     start = (7.0 - 2.5) / wave.group_velocity + 4 * 1.2  # two periods of ramp, two to settle
     for end, level in ((start + 3.05 * 1.2, "info"), (start + 2.9 * 1.2, "warning")):
-        told = wave_report.steady(load(case, {"time.end": float(end)}))
+        told = gauges.steady(load(case, {"time.end": float(end)}))
         assert told is not None and told.level == level
-    assert wave_report.steady(flume()) is None, "no gauges"
-    assert wave_report.steady(GOOD["solitary"]) is None, "it passes once"
+    assert gauges.steady(flume()) is None, "no gauges"
+    assert gauges.steady(GOOD["solitary"]) is None, "it passes once"
 
 
 def test_the_report_names_wave_maker_and_sponge():
-    rows = dict(wave_report.wave_rows(GOOD["source"]))
+    rows = dict(report.wave_rows(GOOD["source"]))
     assert "height = 0.04 m" in rows["wave"] and "kh = 0.942" in rows["size"]
     assert "acts from 3.4 to 4.6 m" in rows["made by"] and "full after 2.4 s" in rows["made by"]
-    assert "1.50 wavelengths" in dict(wave_report.wave_rows(GOOD["zone"]))["made by"]
-    (_, words), (name, left) = wave_report.sponge_rows(GOOD["source"])
+    assert "1.50 wavelengths" in dict(report.wave_rows(GOOD["zone"]))["made by"]
+    (_, words), (name, left) = report.sponge_rows(GOOD["source"])
     assert name == "sponge.sponge-2" and left.startswith("left side, 2.5 m long (1.50 wavelengths)")
     assert words.startswith("right") and ": 0.3 % of the waves come back" in words
-    weak = wave_report.sponge_rows(flume(sponge=[SPONGE | {"strength": 1.0}]))[0][1]
+    weak = report.sponge_rows(flume(sponge=[SPONGE | {"strength": 1.0}]))[0][1]
     assert "up to 1 1/s" in weak and "47 %" in weak  # exp(-2.5 / (3 * 1.10))
 
 
 def test_long_sections_are_enlarged_by_a_round_number():
     sizes = ((1.0, 0.5), (5.5, 1.0), (10.0, 0.4), (50.0, 1.0))
-    assert [cost.enlargement(*size) for size in sizes] == [1, 1, 5, 10]
-    assert all(w / h / cost.enlargement(w, h) <= 5.5 for w, h in ((7.0, 0.4), (300.0, 5.0), (2e4, 10.0)))
+    assert [picture.enlargement(*size) for size in sizes] == [1, 1, 5, 10]
+    assert all(w / h / picture.enlargement(w, h) <= 5.5 for w, h in ((7.0, 0.4), (300.0, 5.0), (2e4, 10.0)))
 
 
 @pytest.mark.parametrize("good", ["zone", "source", "3D"])
 def test_the_picture_shows_what_acts_on_the_water(good, tmp_path):
-    cost.draw(GOOD[good], tmp_path / "section.png")
+    picture.draw(GOOD[good], tmp_path / "section.png")
     colours = np.round(imread(tmp_path / "section.png")[..., :3] * 255).reshape(-1, 3)
     names = np.abs(colours - (0x4D, 0x6F, 0x8C)).max(axis=1) < 3  # of the maker and the sponges, line of the source
     assert names.sum() > (300 if GOOD[good].waves.source else 50)
@@ -250,7 +250,7 @@ def test_a_focus_that_the_maker_cannot_reach_is_refused_with_the_earliest_time_t
 def test_a_wave_that_the_run_does_not_wait_for_leaves_the_piston_at_rest():
     """Its front has not left the maker when the run ends: no stroke to compare the height with."""
     case = focused({**CREST, "depth": 0.25, "height": 0.04}, "piston", 7.0, 20.0)
-    assert "H/stroke" not in dict(wave_report.wave_rows(case))["made by"]
+    assert "H/stroke" not in dict(report.wave_rows(case))["made by"]
 
 
 @pytest.mark.parametrize("maker", ALL)

@@ -111,7 +111,7 @@ def test_the_pictures_of_a_run(tmp_path, figures, dimension, title):
 @pytest.mark.parametrize("title", TITLES)
 @pytest.mark.parametrize("name", ["breakwater", "wave-block", "dam-break-rock-35"])
 def test_the_picture_of_a_check(tmp_path, name, title):
-    from houle.check.cost import _figure, draw
+    from houle.check.picture import _figure, draw
 
     case = load(name, {"case.title": title})
     names = [g.model_copy(update={"name": f"{AWKWARD} {g.name}"}) for g in case.gauge]

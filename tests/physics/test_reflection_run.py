@@ -6,7 +6,7 @@ import re
 import pytest
 
 from houle.case.model import load
-from houle.check import wave_report
+from houle.check import gauges
 from houle.errors import CaseError
 from houle.results import reflection, wave_quality
 from houle.running.progress import Silent
@@ -44,9 +44,9 @@ def test_wrong_tables_are_refused(change, words):
 
 
 def test_a_window_after_the_end_is_warned_of():
-    told = wave_report.steady(load("wave-block", {"reflection.window": [19.0, 30.0]}))
+    told = gauges.steady(load("wave-block", {"reflection.window": [19.0, 30.0]}))
     assert told.level == "warning" and told.key == "reflection.window" and "time.end = 20.4 s" in told.text
-    assert wave_report.steady(load("wave-block", {"reflection.window": [14.0, 30.0]})) is None
+    assert gauges.steady(load("wave-block", {"reflection.window": [14.0, 30.0]})) is None
 
 
 def test_twin_has_no_block_and_is_shared_by_all_blocks():
@@ -73,7 +73,7 @@ def test_a_run_says_its_reflection_or_why_there_is_none(tmp_path):
     change = {"domain.spacing": 0.05, "time.end": 1.0, "reflection.twin": False}
     run = houle.run(load("wave-block", change), out=tmp_path / "short", threads=1)
     assert "too short" in run.summary["reflection"]["problem"]
-    said_before = wave_report.steady(run.case)
+    said_before = gauges.steady(run.case)
     steady = re.compile(r"the gauges are steady at ([\d.]+) s")
     assert steady.search(said_before.text)[1] == steady.search(run.summary["reflection"]["problem"])[1]
     assert reflection.rows(run.summary["reflection"])[0][0] == "none"

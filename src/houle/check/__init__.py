@@ -1,1 +1,17 @@
-"""Pre-flight: whether a case makes sense, what its waves are, and what it will cost."""
+"""Checks: whether a case makes sense, what its waves and drag are, and what it will cost. Nothing here runs it.
+
+A rule stands in one of three places, by what it has to look at:
+
+    one key                  a field or validator of its table, `case/tables/`
+    two keys of the file     `case/consistency.py`: dimensions, names, tables that exclude each other
+    the case in its tank     here: shapes, grid, waves and clock together
+
+    section      the case as polygons, and Finding
+    rules        CHECKS, all the checks in order; what concerns shapes, grid, clock and instruments
+    waves        theory, wave makers and sponges
+    boundaries   gates, open sides, pistons and absorbing walls
+    cost         particles, steps, minutes, memory and disk, and whether the machine has them
+    drag         the drag of every porous body, in all conventions
+    gauges       when gauges read steady waves
+    report       `houle check` on the terminal
+"""

@@ -1,40 +1,28 @@
-"""What `houle check` shows beside the findings: passport of every body, price, picture of the section."""
+"""The price of a case: particles, steps, minutes, memory and disk, and whether this machine has the memory."""
 
 from __future__ import annotations
 
+import math
+import os
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from math import sqrt
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import shapely
 
 from houle.case.build import first_rows, viscous_step
 from houle.case.model import Case
-from houle.check.paddles import moving_walls
-from houle.check.passport import Passport, passport
-from houle.check.rules import expected_speed
-from houle.check.section import Body, Section
-from houle.check.waves import reach
+from houle.check.section import CrossSection, Finding
 from houle.flow.rows import memory
 from houle.flow.setup import WAVE_SHARE
-from houle.medium.thin_solids import at_width
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from houle.grid import MOST_NUMBERS
 
 MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle bench` measures yours
-LONGEST = 5.5  # of the picture of a section, its length over its height
-ROOM, NAME = 9.0, 1.5  # inches: for a title, for a name
-LETTER = 0.8  # of a wide one, of its size
-STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
 
 
 @dataclass(frozen=True)
 class Price:
-    """A guess, good to a factor of two or three."""
+    """What a run will cost: a guess, good to a factor of two or three."""
 
     cells: int
     particles: int
@@ -48,43 +36,17 @@ class Price:
 
     @property
     def disk(self) -> float:
-        """[bytes] of results."""
+        """Size of the results [bytes]."""
         return self.frames + self.rows
 
 
-def passports(case: Case) -> list[Passport]:
-    """One per porous body, at the Darcy velocity of steady flow under the hydraulic gradient it may see."""
-    section, period = Section(case), case.drag_period
-    drop = section.drop()
-    return [
-        passport(b.entry, case.fluid, gradient=expected_gradient(section, b, drop), period=period)
-        for b in section.porous
-    ]
-
-
-def drag_of(case: Case) -> list[dict[str, Any]]:
-    """What run.json says of every porous body: its law with the coefficients taken, and the drag they make."""
-    return [
-        {"name": p.name, "law": p.words, "a": p.a, "b": p.b, "inertia": p.inertia,
-         "added_mass_on": p.added_mass_on, "period": p.period, "oscillating": p.oscillating}
-        for p in passports(case)
-    ]  # fmt: skip
-
-
-def expected_gradient(section: Section, body: Body, drop: float) -> float:
-    """Drop of the level over the length of the body, at most 1 (water running down through it); STILL if level."""
-    if drop < section.grid.spacing[-1]:
-        return STILL
-    return float(min(1.0, drop / section.extent(body)[0]))
-
-
 def price(case: Case, threads: int = 1) -> Price:
-    """Particles, steps, minutes, memory and disk to expect."""
-    s = Section(case)
+    """The price of a case on so many threads."""
+    s = CrossSection(case)
     d, h, g = case.dimension, case.domain.spacing, s.grid
     particles, cells = round(s.particles()), int(np.prod(g.shape))
-    slow = min([1.0, *(b.entry.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
-    fastest = expected_speed(s) / (1.0 if s.drop() > h else slow)
+    slow = min([1.0, *(b.row.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
+    fastest = s.expected_speed() / (1.0 if s.drop() > h else slow)
     crossed = min(h / fastest, WAVE_SHARE * sqrt(h / max(case.fluid.gravity, 1e-12)))  # of a cell, by water; by waves
     step = case.time.step or min(case.time.courant * crossed, viscous_step(case))
     steps = int(np.ceil(case.time.end / step))
@@ -104,142 +66,38 @@ def price(case: Case, threads: int = 1) -> Price:
     )
 
 
-def draw(case: Case, file: Path) -> None:
-    """The section of the case as a picture (3D: at mid width): water, bodies, wave maker, sponges, gauges, gates.
-
-    The heights of a long flume are enlarged, by a factor that the picture names.
-    """
-    import matplotlib
-
-    with matplotlib.rc_context({"text.parse_math": False}):  # names may hold $
-        figure = _figure(case)
-        figure.savefig(file, dpi=150, format="png", metadata={"Title": f"section of {case.case.name}"})
-
-
-def _figure(case: Case) -> Figure:
-    """The picture of the section, laid out when it is saved."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    from houle.output.drawing import fitted
-
-    s = Section(case)
-    layer = next(y for y in s.layers if case.dimension == 2 or y[0] <= case.domain.size[1] / 2 <= y[1])
-    width, height = case.domain.size[0], case.domain.size[-1]
-    enlarged = enlargement(width, height)
-    above = max(22.0, 12.0 + _names(case)[1])
-    tall = min(9.3 * enlarged * height / width, 9.0) + 1.5 + (above - 22.0) / 72
-    figure = Figure(figsize=(10, tall), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    _fill(axes, s.open_water(layer), facecolor="#a9d3ee", edgecolor="none", label="water")
-    hatches = ("xx", "\\\\", "//", "..", "oo")
-    for i, body in enumerate(s.porous):
-        words = f"{body.entry.name}, n = {body.entry.porosity:g}"
-        area = shapely.difference(s.area([body], layer), s.area(s.solid, layer))
-        _fill(axes, area, facecolor="none", edgecolor="#8a6d3b", hatch=hatches[i % 5], linewidth=1.2, label=words)
-    for box in at_width(s.windows, case.domain.size[1] / 2):
-        window = shapely.box(box.lower[0], box.lower[-1], box.upper[0], box.upper[-1])
-        _fill(axes, window, facecolor="#bbbbbb", edgecolor="none", label="counts as solid")
-    _fill(axes, s.area(s.solid, layer), facecolor="#777777", edgecolor="#333333", label="solid")
-    for gate in case.gate:
-        face = s.grid.nearest_face(gate.x)
-        axes.plot([face, face], [0, height], color="#c0392b", linewidth=3, label=f"gate, {gate.speed:g} m/s", zorder=4)
-    for table in case.open:
-        side = 0.0 if table.side == "left" else width
-        look: Any = {"color": "#1f5f8b", "linewidth": 5, "linestyle": (0, (0.6, 0.8)), "clip_on": False, "zorder": 5}
-        axes.plot([side, side], [0, height], label="open side", **look)
-    _waves(axes, case, s)
-    _gauges(axes, case)
-    for sensor in case.sensor:
-        axes.plot(sensor.at[0], sensor.at[-1], "o", color="#2c3e50", markersize=5, clip_on=False)
-        at = (sensor.at[0], sensor.at[-1])
-        fitted(axes.annotate(sensor.name, at, (5, 5), textcoords="offset points", fontsize=8), NAME)
-    axes.set(xlim=(0, width), ylim=(0, height), xlabel="x [m]", ylabel="z [m]", aspect=enlarged, anchor="S")
-    title = axes.set_title(" ".join((case.case.title or case.case.name).split()), loc="left", pad=above)
-    fitted(title, ROOM - 2.2 if enlarged > 1 else ROOM)
-    if enlarged > 1:
-        axes.set_title(f"heights enlarged {enlarged:g} times", loc="right", pad=above, fontsize=9, color="#5d6d7e")
-    handles, labels = axes.get_legend_handles_labels()
-    unique = dict(zip(labels, handles, strict=True))
-    columns = min(5, len(unique))
-    place: Any = {"loc": "outside lower center", "ncols": columns, "frameon": False}
-    for entry in figure.legend(unique.values(), unique.keys(), **place).get_texts():
-        fitted(entry, 9.6 / columns - 0.6)
-    return figure
-
-
-def enlargement(width: float, height: float) -> float:
-    """Factor of the heights that makes a section no longer than LONGEST times its height: 1 for most."""
-    needed = width / height / LONGEST
-    power = 10.0 ** np.floor(np.log10(max(needed, 1.0)))
-    return float(next(f * power for f in (1, 2, 3, 4, 5, 6, 8, 10) if needed <= f * power * (1 + 1e-9)))
-
-
-def _names(case: Case) -> tuple[dict[str, Any], float]:
-    """How the names of gauges are written, upright where they would not stand side by side; their height [points]."""
-    places = sorted(gauge.x for gauge in case.gauge)
-    longest = max([len(gauge.name) for gauge in case.gauge], default=0)
-    if all(b - a >= 0.008 * case.domain.size[0] * longest for a, b in pairwise(places)):
-        return {"fontsize": 8}, 8.0
-    return {"rotation": 90, "fontsize": 6}, min(72 * NAME, 6 * LETTER * longest)
-
-
-def _gauges(axes: Any, case: Case) -> None:
-    """Lines with their names above."""
-    from houle.output.drawing import fitted
-
-    look = _names(case)[0]
-    for gauge in case.gauge:
-        axes.axvline(gauge.x, color="#2c3e50", linestyle="--", linewidth=0.9)
-        at = (gauge.x, case.domain.size[-1])
-        name = axes.annotate(gauge.name, at, (0, 3), textcoords="offset points", ha="center", va="bottom", **look)
-        fitted(name, NAME)
-
-
-def _waves(axes: Any, case: Case, s: Section) -> None:
-    """Zones and sponges hatched, the source dashed where it acts, the still water level; their names at the top."""
-    if case.waves is None and not case.sponge and not case.absorber:
-        return
-    height, colour = case.domain.size[-1], "#4d6f8c"
-    axes.axhline(s.depth(), color="#1f5f8b", linewidth=0.8, linestyle=(0, (8, 3)), label="still water level")
-    bands = [(p.box[0][0], p.box[1][0], p.name, "//") for p in case.sponge]
-    wave = case.wave
-    for wall in moving_walls(case, wave, s.depth()):
-        name = wall.key.rpartition(".")[2]
-        bands.append((*wall.span, name, "|||"))
-        axes.axvline(wall.rest, color="#22303c", linewidth=2.2)
-    if case.waves is not None and case.waves.piston is None and wave is not None:
-        low, high = reach(case, wave)
-        source = case.waves.source is not None
-        bands.append(
-            (
-                low,
-                high,
-                f"source, {case.waves.kind}" if source else f"zone, {case.waves.kind}",
-                "" if source else "\\\\",
-            )
+def memory_suffices(s: CrossSection) -> Iterator[Finding]:
+    """The run fits into the memory of this machine, and every cell and particle can be numbered."""
+    needed, there = memory(s.grid, s.particles(), s.grid.shape[-1]), machine_memory()
+    if there is not None and needed > 0.8 * there:
+        h = s.case.domain.spacing
+        better = h * (needed / (0.5 * there)) ** (1 / s.case.dimension)
+        yield Finding(
+            "error" if needed > 2 * there else "warning",
+            "domain.spacing",
+            f"= {h:g} m makes {s.particles():.3g} particles, about {needed / 1e9:.3g} GB; this machine has "
+            f"{there / 1e9:.3g} GB: domain.spacing = {better:.2g}",
         )
-        if source:
-            axes.axvline(case.waves.place, color=colour, linewidth=1.4, linestyle=(0, (5, 2)))
-    for low, high, words, hatch in bands:
-        axes.axvspan(low, high, facecolor="none", edgecolor=colour, hatch=hatch, linewidth=0, alpha=0.45)
-        for x in (low, high):
-            axes.axvline(x, color=colour, linewidth=0.6, linestyle="-" if hatch else ":")
-        box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
-        at = ((low + high) / 2, height)
-        axes.annotate(
-            words, at, (0, -4), textcoords="offset points", ha="center", va="top", fontsize=8, color=colour, bbox=box
-        )
+        if needed > 2 * there:
+            return
+    yield from can_be_numbered(s)
 
 
-def _fill(axes: Any, area: shapely.Geometry, **style: Any) -> None:
-    """Polygons with their holes, one legend entry."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
+def can_be_numbered(s: CrossSection) -> Iterator[Finding]:
+    """Cells, particles and the half cells of remeshing can be numbered with 32 bits."""
+    d, h = s.case.dimension, s.case.domain.spacing
+    cells = math.prod(s.grid.shape)
+    rows = first_rows(s.case) / s.grid.shape[-1]
+    most, what = max((cells, "cells"), (s.particles(), "particles"), (2**d * cells * rows, "half cells to remesh on"))
+    if most > MOST_NUMBERS:
+        better = h * (1.01 * most / MOST_NUMBERS) ** (1 / d)
+        text = f"= {h:g} m makes {most:.3g} {what}: at most {MOST_NUMBERS:.3g} can be numbered, from {better:.2g} m on"
+        yield Finding("error", "domain.spacing", text)
 
-    for part in shapely.get_parts(area):
-        if part.geom_type != "Polygon" or part.is_empty:
-            continue
-        rings = [Outline(np.asarray(r.coords), closed=True) for r in (part.exterior, *part.interiors)]
-        axes.add_patch(PathPatch(Outline.make_compound_path(*rings), **style))
+
+def machine_memory() -> float | None:
+    """Memory of this machine [bytes]; None where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        return None

@@ -1,20 +1,37 @@
-"""`houle check`: findings, grid, passports and price on the terminal, the section as a picture."""
+"""`houle check` on the terminal: findings, grid, waves, boundaries, drag and price; and the section as a picture."""
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, pi, sqrt
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from houle.boundary.makers import damping, left_over
+from houle.boundary.open_side import CROSSINGS, Record
+from houle.boundary.sponge import sides
+from houle.case.build import law_of_piston, records, source_of
+from houle.case.messages import place
 from houle.case.model import Case
-from houle.check import cost, wave_report
-from houle.check.open_sides import open_rows
-from houle.check.passport import REFERENCE_VELOCITY, Passport
+from houle.case.tables.sides import Open
+from houle.case.tables.tank import Sponge
+from houle.case.tables.waves import Piston, Source
+from houle.check import gauges
+from houle.check.boundaries import inflow, water_beside
+from houle.check.cost import price
+from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
+from houle.check.picture import draw
 from houle.check.rules import require
+from houle.check.section import CrossSection
+from houle.check.waves import reach
 from houle.grid import axes
+from houle.waves import dispersion
+from houle.waves.check import assess
+from houle.waves.piston import Reading, reading_of
+from houle.waves.wave import Wave
 
 
 def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:
@@ -22,26 +39,26 @@ def show(case: Case, picture: Path, threads: int | None = None, console: Console
     console = console or Console(highlight=False)
     findings = require(case)
     console.print(f"[bold]{escape(case.case.title or case.case.name)}[/]")
-    window = wave_report.steady(case)
+    window = gauges.steady(case)
     for finding in findings if window is None else [*findings, window]:
         colour = "yellow" if finding.level == "warning" else "cyan"
         console.print(f"[{colour}]{finding.level}[/] {escape(str(finding))}", soft_wrap=True)
     console.print(_grid(case), soft_wrap=True)
     tables = (
-        ("waves", wave_report.wave_rows(case)),
-        ("absorbers", wave_report.absorber_rows(case)),
-        ("sponges", wave_report.sponge_rows(case)),
+        ("waves", wave_rows(case)),
+        ("absorbers", absorber_rows(case)),
+        ("sponges", sponge_rows(case)),
         ("open sides", open_rows(case)),
     )
     for name, rows in tables:
         if rows:
             console.print(_rows(name, rows))
-    for body in cost.passports(case):
-        console.print(_passport(body))
+    for body in drag_sheets(case):
+        console.print(_drag(body))
         for warning in body.warnings:
             console.print(f"[yellow]warning[/] porous.{escape(body.name)}: {escape(warning)}", soft_wrap=True)
     console.print(_price(case, threads or 1), soft_wrap=True)
-    cost.draw(case, picture)
+    draw(case, picture)
     console.print(f"Section drawn: {picture}", soft_wrap=True)
 
 
@@ -60,7 +77,7 @@ def _rows(title: str, rows: list[tuple[str, str]]) -> Table:
     return table
 
 
-def _passport(p: Passport) -> Table:
+def _drag(p: DragSheet) -> Table:
     """Every convention side by side, so that a coefficient can be compared with any paper."""
     table = Table(title=f"porous body {p.name}", title_justify="left", show_header=False)
     grain = f", d50 = {p.grain_diameter * 1000:g} mm" if p.grain_diameter else ""
@@ -83,7 +100,7 @@ def _passport(p: Passport) -> Table:
     return table
 
 
-def _to_and_fro(p: Passport) -> str:
+def _to_and_fro(p: DragSheet) -> str:
     """What the Keulegan-Carpenter number does to the drag, at the expected velocity."""
     if p.period == inf:
         return "steady flow, KC infinite: no waves, or a single one; period = ... in resistance changes it"
@@ -98,7 +115,7 @@ def _to_and_fro(p: Passport) -> str:
 
 
 def _price(case: Case, threads: int) -> str:
-    p = cost.price(case, threads)
+    p = price(case, threads)
     minutes = f"{p.minutes:.0f} min" if p.minutes >= 1.5 else f"{max(1.0, 60 * p.minutes):.0f} s"
     work = f"{p.particles} particles, {p.steps} steps of {1000 * p.step:.2g} ms"
     on = f"{minutes} on {threads} thread{'s' if threads > 1 else ''}"
@@ -106,3 +123,133 @@ def _price(case: Case, threads: int) -> str:
     grows = f" (up to {most:.0f} MB if water gets to the top)" if most > 1.05 * least else ""
     space = f"{least:.0f} MB of memory{grows}, {p.disk / 1e6:.0f} MB of results"
     return f"Cost, a guess within a factor of 3: {work}, {on}, {space}"
+
+
+def wave_rows(case: Case) -> list[tuple[str, str]]:
+    """(name, words) about the wave of the case and its maker; the numbers of `waves.check.assess`."""
+    wave = case.wave
+    if wave is None:
+        return []
+    assert case.waves is not None
+    numbers = [text for level, text in assess(wave, max(case.domain.grid.spacing)) if level == "info"]
+    names = ("theory", "size", "limits", "on the grid") if len(numbers) == 4 else ("theory", *[""] * (len(numbers) - 1))
+    rows = [("wave", _wave(case)), *zip(names, numbers, strict=True), ("made by", _maker(case, wave))]
+    return [rows[0], ("current", _current(case.waves.current, wave)), *rows[1:]] if case.waves.current else rows
+
+
+def _current(speed: float, wave: Wave) -> str:
+    """What the current does to a wave with a period."""
+    own = wave.celerity - speed
+    words = f"{speed:g} m/s; crests run at {own:.4g} m/s in the water, {wave.celerity:.4g} m/s seen from the bed"
+    if wave.name.startswith("solitary"):
+        return words
+    still = 2 * pi / float(dispersion.wave_number(wave.omega, wave.depth, wave.gravity))
+    relative = wave.length / own
+    return f"{words}; period {relative:.4g} s in the water; length {wave.length / still:.3f} of that in still water"
+
+
+def _wave(case: Case) -> str:
+    waves = case.waves
+    assert waves is not None
+    sizes = (("height", waves.height, "m"), ("period", waves.period, "s"), ("depth", waves.depth, "m"))
+    given = [f"{name} = {value:g} {unit}" for name, value, unit in sizes if value is not None]
+    return ", ".join([str(waves.kind), *given, *([waves.file] if waves.file else [])])
+
+
+def _maker(case: Case, wave: Wave) -> str:
+    waves = case.waves
+    assert waves is not None
+    then = f"; full after {waves.ramp_time():.3g} s; the front runs at {wave.group_velocity:.3g} m/s"
+    if isinstance(waves.maker, Source):
+        width, (low, high) = source_of(waves, wave).width, reach(case, wave)
+        side = {"both": "to both sides", "left": "to the left", "right": "to the right"}[waves.maker.side]
+        at = f"source at x = {waves.maker.x:g} m, {width:.3g} m wide, acts from {low:.3g} to {high:.3g} m"
+        return f"{at}; {side}{then}"
+    if isinstance(waves.maker, Piston):
+        return f"{_piston(case, wave)}{then}"
+    start, end = waves.maker.x
+    long = f"{(end - start) / wave.length:.2f} wavelengths"
+    return f"relaxation zone, x {start:g} to {end:g} m, {long}; takes up what comes back{then}"
+
+
+def _piston(case: Case, wave: Wave) -> str:
+    """Stroke, height over stroke, where it moves, by which theory."""
+    law, read, rest = law_of_piston(case, wave)
+    low, high = law.reach
+    compared = f"H/stroke = {wave.height / (high - low):.3g}, " if high - low > 1e-9 else ""
+    told = (
+        f"piston at x = {rest:g} m, stroke {high - low:.3g} m, {compared}moves from "
+        f"{rest + low:.3g} to {rest + high:.3g} m; {law.theory}"
+    )
+    assert case.waves is not None and case.waves.piston is not None
+    return f"{told}; absorbs, {_back(read, wave.period)}" if case.waves.piston.absorb else told
+
+
+def _back(read: Reading, period: float) -> str:
+    """Linear theory of what an absorbing wall sends back of some waves."""
+    shares = [f"{100 * read.comes_back(2 * pi / t):.2g} % at T = {t:.3g} s" for t in (period / 2, period, 2 * period)]
+    return f"sends back {', '.join(shares)}"
+
+
+def absorber_rows(case: Case) -> list[tuple[str, str]]:
+    """(name, words) of every absorbing wall."""
+    wave, depth = case.wave, CrossSection(case).depth()
+    rows = []
+    for i, table in enumerate(case.absorber):
+        read = reading_of(wave, depth, case.fluid.gravity, table.period)
+        rest = case.domain.grid.nearest_face(table.x)
+        at = f"{table.side} end, at rest at x = {rest:g} m"
+        rows.append((place(("absorber", i), case.__dict__), f"{at}; {_back(read, _tuned(read, wave, table.period))}"))
+    return rows
+
+
+def _tuned(read: Reading, wave: Wave | None, period: float | None) -> float:
+    """The period to tell about [s]."""
+    return period or (wave.period if wave is not None else 2 * pi / read.omega)
+
+
+def sponge_rows(case: Case) -> list[tuple[str, str]]:
+    """(name, words) of every sponge: where, how long, how strong, what comes back."""
+    wave = case.wave
+    speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * CrossSection(case).depth())
+    return [(place(("sponge", i), case.__dict__), _sponge(case, s, wave, speed)) for i, s in enumerate(case.sponge)]
+
+
+def _sponge(case: Case, sponge: Sponge, wave: Wave | None, speed: float) -> str:
+    axis, far = sides(sponge.box, case.domain.size, min(case.domain.grid.spacing) / 2)[0]
+    long = sponge.box[1][axis] - sponge.box[0][axis]
+    strength = sponge.strength or damping(speed, long)
+    side = (("left", "right"), ("front", "back"))[axis][far]
+    waves = f" ({long / wave.length:.2f} wavelengths)" if wave is not None else ""
+    back = left_over(strength, speed, long)
+    return f"{side} side, {long:.3g} m long{waves}, up to {strength:.3g} 1/s: {100 * back:.2g} % of the waves come back"
+
+
+def open_rows(case: Case) -> list[tuple[str, str]]:
+    """(side, words) of every open side: what is given, the speed and Froude number it means."""
+    s = CrossSection(case)
+    return [(f"{table.side} side", _words(s, table)) for table in case.open]
+
+
+def _words(s: CrossSection, table: Open) -> str:
+    known, (depth, _) = records(table, s.case.folder), water_beside(s, table)
+    units = {"velocity": "m/s", "discharge": "m2/s", "level": "m"}
+    said = [f"{key} {_span(record)} {units[key]}" for key, record in known.items()]
+    wave = sqrt(max(s.case.fluid.gravity, 1e-12) * depth)
+    speeds = inflow(known, depth)
+    if speeds is not None:
+        fastest = float(np.abs(speeds).max())
+        said.append(f"{fastest:.3g} m/s in {depth:.3g} m of water, Froude number {fastest / wave:.2g}")
+    if table.ramp:
+        said.append(f"grows in {table.ramp:g} s")
+    if "level" in known:
+        response = table.response or CROSSINGS * s.case.domain.size[0] / wave
+        said.append("waves leave" + (f"; the level is found in some {response:.3g} s" if len(known) == 1 else ""))
+    if table.file:
+        said.append(table.file)
+    return ", ".join(said)
+
+
+def _span(record: Record) -> str:
+    low, high = float(record.value.min()), float(record.value.max())
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"

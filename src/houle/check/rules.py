@@ -8,8 +8,6 @@ write a function that yields findings and add it to CHECKS.
 
 from __future__ import annotations
 
-import math
-import os
 from collections.abc import Iterator
 from math import sqrt
 from typing import Literal
@@ -17,22 +15,21 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from houle.case.build import first_rows, viscous_step
+from houle.case.build import viscous_step
 from houle.case.messages import guess, metres, place, several, show
 from houle.case.model import Case
 from houle.case.reading import is_file
 from houle.case.tables.control import SCHEMES
-from houle.check.open_sides import open_sides_fit
-from houle.check.paddles import paddles_fit
-from houle.check.section import Finding, Section
+from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
+from houle.check.cost import memory_suffices
+from houle.check.section import CrossSection, Finding
 from houle.check.waves import sponges_fit, waves_fit
 from houle.errors import CaseError
-from houle.flow.rows import memory
 from houle.flow.setup import SHORTEST, WAVE_SHARE
-from houle.grid import MOST_NUMBERS, axes
+from houle.grid import axes
 from houle.medium.sections import layers, section
-from houle.medium.shapes import enclosed, polygons
-from houle.medium.thin_solids import NEAR
+from houle.medium.shapes import enclosed
+from houle.medium.thin_solids import closed_passage
 
 FEWEST = 2.0  # spacings across a porous body: below is an error
 ENOUGH = 4.0  # below is a warning
@@ -43,7 +40,7 @@ def check(case: Case) -> list[Finding]:
     """All findings about a case, errors first."""
     if shapes := list(simple_polygons(case)):
         return shapes
-    section = Section(case)
+    section = CrossSection(case)
     if outside := list(inside_domain(section)):
         return outside  # nothing more can be said about shapes that are not there
     found = [finding for look in CHECKS for finding in look(section)]
@@ -71,11 +68,11 @@ def simple_polygons(case: Case) -> Iterator[Finding]:
                     yield Finding("error", place((key, i, "polygon"), case.__dict__), str(error))
 
 
-def inside_domain(s: Section) -> Iterator[Finding]:
+def inside_domain(s: CrossSection) -> Iterator[Finding]:
     """No shape reaches out of the domain; no level lies above it. The worst side of each is told."""
     size, slack = s.case.domain.size, 1e-6 * s.case.domain.spacing
-    for body in s.bodies:
-        kind = next(k for k in ("box", "polygon", "below") if getattr(body.entry, k) is not None)
+    for body in s.entries:
+        kind = next(k for k in ("box", "polygon", "below") if getattr(body.row, k) is not None)
         ends = [(axis, float(v)) for corner in body.shape.bounds for axis, v in enumerate(corner) if np.isfinite(v)]
         beyond, axis, value = max((max(-v, v - size[a]) / size[a], a, v) for a, v in ends)
         if beyond * size[axis] > slack:
@@ -88,7 +85,7 @@ def inside_domain(s: Section) -> Iterator[Finding]:
             )
 
 
-def water_is_somewhere(s: Section) -> Iterator[Finding]:
+def water_is_somewhere(s: CrossSection) -> Iterator[Finding]:
     """There is water, none of it is asked for inside a solid, and its depth is resolved."""
     area = max(s.open_water(y).area for y in s.layers)
     if area <= s.speck:
@@ -113,15 +110,15 @@ def water_is_somewhere(s: Section) -> Iterator[Finding]:
         )
 
 
-def bodies_agree(s: Section) -> Iterator[Finding]:
+def bodies_agree(s: CrossSection) -> Iterator[Finding]:
     """Where two porous bodies overlap they must be the same material; a solid wins over a porous body."""
     for i, one in enumerate(s.porous):
         for other in s.porous[:i]:
             common, (x0, z0, x1, z1) = s.overlap([one], [other])
             alike = ("porosity", "grain_diameter", "resistance", "added_mass", "added_mass_on")
-            unlike = next((k for k in alike if getattr(one.entry, k) != getattr(other.entry, k)), None)
+            unlike = next((k for k in alike if getattr(one.row, k) != getattr(other.row, k)), None)
             if common > s.speck and unlike:
-                a, b = getattr(other.entry, unlike), getattr(one.entry, unlike)
+                a, b = getattr(other.row, unlike), getattr(one.row, unlike)
                 values = f"{a:g} against {b:g}" if isinstance(a, float) and isinstance(b, float) else "they differ"
                 yield Finding(
                     "error",
@@ -137,7 +134,7 @@ def bodies_agree(s: Section) -> Iterator[Finding]:
             yield Finding(level, one.key, f"lies in a solid over {common:.3g} of its {whole:.3g} m2: {cure}")
 
 
-def grid_resolves(s: Section) -> Iterator[Finding]:
+def grid_resolves(s: CrossSection) -> Iterator[Finding]:
     """Bodies and grains against the spacing."""
     h = max(s.grid.spacing)
     for body in s.porous:
@@ -150,7 +147,7 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
                 f"is {thick:.3g} m thick, {across:.1f} spacings of {h:.3g} m: {FEWEST:g} are needed, {ENOUGH:g} are "
                 f"good; domain.spacing = {thick / ENOUGH:.2g}",
             )
-        d = body.entry.grain_diameter
+        d = body.row.grain_diameter
         if d is not None and d > thick / 3:
             hint = guess("grain_diameter", d, upper=thick / 3) if d > thick else ""
             yield Finding(
@@ -160,7 +157,7 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
                 f"grain_diameter <= {thick / 3:.2g} m, or a and b measured on the body.{hint}",
             )
     for body in (*s.solid, *s.water):
-        thick, solid = s.thickness(body), body.entry in s.case.solid
+        thick, solid = s.thickness(body), body.row in s.case.solid
         what = "keep its form, below 1 it is made one thick" if solid else "flow as water does"
         if thick < FEWEST * h * (1 - 1e-9):
             yield Finding(
@@ -171,17 +168,18 @@ def grid_resolves(s: Section) -> Iterator[Finding]:
             )
 
 
-def thin_solids(s: Section) -> Iterator[Finding]:
+def thin_solids(s: CrossSection) -> Iterator[Finding]:
     """What counts as solid around thin ones leaves water, and closes no passage."""
     windows = s.windows
     if not windows:
         return
     h, passage = max(s.grid.spacing), None
     dry = True
-    for y in layers(s.grid, [*(b.shape for b in s.bodies), *windows]):
-        added = section(s.grid, windows, y)
-        dry &= shapely.difference(s.open_water(y), added).area <= s.speck
-        passage = passage or _closed_passage(s, shapely.difference(shapely.box(*s.window), s.area(s.solid, y)), added)
+    for y in layers(s.grid, [*(b.shape for b in s.entries), *windows]):
+        thickening = section(s.grid, windows, y)
+        dry &= shapely.difference(s.open_water(y), thickening).area <= s.speck
+        open_ = shapely.difference(shapely.box(*s.window), s.area(s.solid, y))
+        passage = passage or closed_passage(s.grid, open_, thickening)
     if dry:
         yield Finding(
             "error",
@@ -198,21 +196,7 @@ def thin_solids(s: Section) -> Iterator[Finding]:
         )
 
 
-def _closed_passage(s: Section, open_: shapely.Geometry, added: shapely.Geometry) -> tuple[float, float] | None:
-    """Where in a section (x, z) [m] what is added to the solids first parts a room in two of more than a cell each."""
-    least = s.grid.spacing[0] * s.grid.spacing[-1]
-    for room in polygons(open_):
-        rest = polygons(shapely.difference(room, added))
-        rest = rest[shapely.area(rest) > least]
-        if len(rest) > 1:
-            between = polygons(shapely.intersection(room, added))
-            touched = shapely.dwithin(between[:, None], rest, NEAR * max(s.grid.spacing)).sum(axis=1)
-            x, z = shapely.get_coordinates(shapely.point_on_surface(between[np.argmax(touched)]))[0]
-            return float(x), float(z)
-    return None
-
-
-def spacing_divides(s: Section) -> Iterator[Finding]:
+def spacing_divides(s: CrossSection) -> Iterator[Finding]:
     """The spacing used along each axis is close to the one asked for."""
     asked = s.case.domain.spacing
     for name, used, size in zip(axes(s.case.dimension), s.grid.spacing, s.grid.size, strict=True):
@@ -225,7 +209,7 @@ def spacing_divides(s: Section) -> Iterator[Finding]:
             )
 
 
-def instruments(s: Section) -> Iterator[Finding]:
+def instruments(s: CrossSection) -> Iterator[Finding]:
     """Gauges and sensors lie in the domain, sensors not in a solid."""
     for i, gauge in enumerate(s.case.gauge):
         key = place(("gauge", i), s.case.__dict__)
@@ -247,14 +231,14 @@ def instruments(s: Section) -> Iterator[Finding]:
             yield Finding("error", key, f"= {show(sensor.at)} lies in {inside[0]}: move it into the water")
 
 
-def _outside(s: Section, key: str, value: float, axis: int) -> Iterator[Finding]:
+def _outside(s: CrossSection, key: str, value: float, axis: int) -> Iterator[Finding]:
     name, size = axes(s.case.dimension)[axis], s.case.domain.size[axis]
     if not 0 <= value <= size:
         hint = metres(value, size)
         yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")
 
 
-def observables(s: Section) -> Iterator[Finding]:
+def observables(s: CrossSection) -> Iterator[Finding]:
     """Run-ups, crests, sections and phreatic lines lie in the domain, and where there is something to observe."""
     case, h, size_x = s.case, s.grid.spacing[0], s.grid.size[0]
     for i, runup in enumerate(case.runup):
@@ -285,7 +269,7 @@ def observables(s: Section) -> Iterator[Finding]:
                 yield Finding("error", f"{key}.between", f"= {show(levels)} is empty: the lower level stands first")
     for i, line in enumerate(case.phreatic):
         key = place(("phreatic", i), case.__dict__)
-        body = next(b for b in s.porous if b.entry.name == line.body)
+        body = next(b for b in s.porous if b.row.name == line.body)
         low, high = (float(c[0]) for c in body.shape.bounds)
         for x in line.x or ():
             if not max(low, 0.0) <= x <= min(high, s.grid.size[0]):
@@ -295,21 +279,7 @@ def observables(s: Section) -> Iterator[Finding]:
             yield from _outside(s, f"{key}.y", line.y, 1)
 
 
-def gates(s: Section) -> Iterator[Finding]:
-    """Gates stand between two columns of cells, on a face of the grid."""
-    h, size = s.grid.spacing[0], s.case.domain.size[0]
-    for i, gate in enumerate(s.case.gate):
-        key = place(("gate", i, "x"), s.case.__dict__)
-        if not h / 2 < gate.x < size - h / 2:
-            hint = metres(gate.x, size)
-            yield Finding("error", key, f"= {gate.x:g} does not lie inside the domain, 0 < x < {size:g} m.{hint}")
-        else:
-            face = s.grid.nearest_face(gate.x)
-            text = f"= {gate.x:g} m: the gate stands on the nearest face of the grid, x = {face:.6g} m"
-            yield Finding("info", key, text)
-
-
-def times(s: Section) -> Iterator[Finding]:
+def times(s: CrossSection) -> Iterator[Finding]:
     """The clock of the run, its output, and a fixed step against the speed of the water."""
     t, out = s.case.time, s.case.output
     if out.every > t.end:
@@ -318,7 +288,7 @@ def times(s: Section) -> Iterator[Finding]:
     if out.series_every > out.every:
         text = f"= {out.series_every:g} s is longer than output.every = {out.every:g} s: 0.005 is usual"
         yield Finding("warning", "output.series_every", text)
-    speed, h = expected_speed(s), min(s.grid.spacing)
+    speed, h = s.expected_speed(), min(s.grid.spacing)
     natural = sqrt(s.grid.spacing[-1] / max(9.81, *map(abs, s.case.acceleration)))  # of the water in a cell [s]
     asked = {"output.every": out.every, "time.step": t.step, "time.courant": t.courant * WAVE_SHARE * natural}
     for key, step in asked.items():
@@ -338,13 +308,7 @@ def times(s: Section) -> Iterator[Finding]:
         yield Finding("error", "time.step", f"{text}, or courant = 0.5, which finds it")
 
 
-def expected_speed(s: Section) -> float:
-    """sqrt(2 g times the drop of level), at least a tenth of the long-wave speed sqrt(g d), d a cell or more [m/s]."""
-    g = max(s.case.fluid.gravity, 1e-12)
-    return max(sqrt(2 * g * s.drop()), 0.1 * sqrt(g * max(s.depth(), s.grid.spacing[-1])))
-
-
-def materials(s: Section) -> Iterator[Finding]:
+def materials(s: CrossSection) -> Iterator[Finding]:
     """Values that are allowed and unusual: a slip of units more often than a wish."""
     nu = s.case.fluid.viscosity
     if nu > 1e-5:
@@ -352,13 +316,13 @@ def materials(s: Section) -> Iterator[Finding]:
         text = f"= {nu:g} m2/s is {nu / 1e-6:.0f} times that of water, 1e-06 m2/s.{hint}"
         yield Finding("warning", "fluid.viscosity", text)
     for body in s.porous:
-        n = body.entry.porosity
+        n = body.row.porosity
         if not 0.2 <= n <= 0.9:
             text = f"= {n:g} is unusual: rubble and sand lie between 0.3 and 0.6; 1 is clear water"
             yield Finding("warning", f"{body.key}.porosity", text)
 
 
-def remeshing(s: Section) -> Iterator[Finding]:
+def remeshing(s: CrossSection) -> Iterator[Finding]:
     """What the paper's remeshing costs."""
     n = s.case.numerics
     if n.remesh == "paper" and n.remesh_every < SELDOM:
@@ -369,44 +333,7 @@ def remeshing(s: Section) -> Iterator[Finding]:
         yield Finding("warning", "numerics.remesh_every", text)
 
 
-def memory_suffices(s: Section) -> Iterator[Finding]:
-    """The particles fit into this machine, as far as one can tell before, and there is a number for each."""
-    needed, there = memory(s.grid, s.particles(), s.grid.shape[-1]), machine_memory()
-    if there is not None and needed > 0.8 * there:
-        h = s.case.domain.spacing
-        better = h * (needed / (0.5 * there)) ** (1 / s.case.dimension)
-        yield Finding(
-            "error" if needed > 2 * there else "warning",
-            "domain.spacing",
-            f"= {h:g} m makes {s.particles():.3g} particles, about {needed / 1e9:.3g} GB; this machine has "
-            f"{there / 1e9:.3g} GB: domain.spacing = {better:.2g}",
-        )
-        if needed > 2 * there:
-            return
-    yield from can_be_numbered(s)
-
-
-def can_be_numbered(s: Section) -> Iterator[Finding]:
-    """The cells, and the particles or the half cells that remeshing gives them to, with 32 bits."""
-    d, h = s.case.dimension, s.case.domain.spacing
-    cells = math.prod(s.grid.shape)
-    rows = first_rows(s.case) / s.grid.shape[-1]
-    most, what = max((cells, "cells"), (s.particles(), "particles"), (2**d * cells * rows, "half cells to remesh on"))
-    if most > MOST_NUMBERS:
-        better = h * (1.01 * most / MOST_NUMBERS) ** (1 / d)
-        text = f"= {h:g} m makes {most:.3g} {what}: at most {MOST_NUMBERS:.3g} can be numbered, from {better:.2g} m on"
-        yield Finding("error", "domain.spacing", text)
-
-
-def machine_memory() -> float | None:
-    """[bytes], where the system tells."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):
-        return None
-
-
-def reference_is_there(s: Section) -> Iterator[Finding]:
+def reference_is_there(s: CrossSection) -> Iterator[Finding]:
     """The laboratory file named can be opened."""
     r, path = s.case.reference, s.case.laboratory
     if r is not None and path is not None and not is_file(path):
@@ -425,7 +352,7 @@ CHECKS = (
     spacing_divides,
     instruments,
     observables,
-    gates,
+    gates_fit,
     times,
     materials,
     remeshing,
@@ -433,6 +360,6 @@ CHECKS = (
     waves_fit,
     sponges_fit,
     open_sides_fit,
-    paddles_fit,
+    moving_walls_fit,
     reference_is_there,
 )

@@ -1,9 +1,9 @@
-"""A case looked at as a drawing: its shapes as polygons in the (x, z) section, and what is said about them."""
+"""A case looked at as a drawing: its shapes as polygons in the (x, z) section, and what is found about them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import inf, sqrt
 from typing import Any, Literal
 
 import numpy as np
@@ -21,7 +21,10 @@ COLUMNS = 500  # looked at for the levels of the water
 
 @dataclass(frozen=True)
 class Finding:
-    """level; key the finding is about; the two numbers and the cure in words, which follow it or begin with a colon."""
+    """One thing found in a case: how bad it is, the key it is about, and what is said of it.
+
+    The text quotes the two numbers compared and the cure. It follows the key, or begins with a colon.
+    """
 
     level: Literal["error", "warning", "info"]
     key: str
@@ -32,50 +35,50 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Body:
-    """An entry of water, porous or solid with its place in the file and its shape."""
+class Entry:
+    """One table of [[water]], [[porous]] or [[solid]]: its key in the file, its row, and the shape that it gives."""
 
     key: str
-    entry: Any
+    row: Any
     shape: shapes.Shape
 
     @property
     def free(self) -> bool:
-        """A level fills whatever is open below it; a box or a polygon means exactly itself."""
-        return self.entry.below is not None
+        """Whether it is a level, which fills what is open below it; a box or a polygon means exactly itself."""
+        return self.row.below is not None
 
 
-class Section:
-    """The case as polygons: bodies with their shapes, and the (x, z) window of the domain."""
+class CrossSection:
+    """The drawing of a case: its entries with their shapes, in the (x, z) window of the tank, all lengths in metres."""
 
     def __init__(self, case: Case) -> None:
         self.case, self.grid = case, case.domain.grid
         self.window = (0.0, 0.0, case.domain.size[0], case.domain.size[-1])
-        self.water = self._bodies("water")
-        self.porous = self._bodies("porous")
-        self.solid = self._bodies("solid")
-        self.layers = sections.layers(self.grid, [b.shape for b in self.bodies])
+        self.water = self._entries("water")
+        self.porous = self._entries("porous")
+        self.solid = self._entries("solid")
+        self.layers = sections.layers(self.grid, [entry.shape for entry in self.entries])
 
     @property
-    def bodies(self) -> list[Body]:
+    def entries(self) -> list[Entry]:
         return [*self.water, *self.porous, *self.solid]
 
-    def _bodies(self, key: str) -> list[Body]:
+    def _entries(self, key: str) -> list[Entry]:
+        d, tables = self.case.dimension, self.case.__dict__
         rows = enumerate(getattr(self.case, key))
-        d = self.case.dimension
-        return [Body(place((key, i), self.case.__dict__), row, shapes.shape_of(row, d)) for i, row in rows]
+        return [Entry(place((key, i), tables), row, shapes.shape_of(row, d)) for i, row in rows]
 
-    def area(self, bodies: list[Body], layer: shapes.Span) -> shapely.Geometry:
-        """What the bodies cover together of the domain's section in a layer."""
-        return sections.section(self.grid, [b.shape for b in bodies], layer)
+    def area(self, entries: list[Entry], layer: shapes.Span) -> shapely.Geometry:
+        """The part of the tank's section in a layer that the entries cover together."""
+        return sections.section(self.grid, [entry.shape for entry in entries], layer)
 
     @property
     def windows(self) -> list[shapes.Box]:
-        """What counts as solid besides what is drawn: the windows that thin solids part."""
-        return solid_windows(self.grid, [b.shape for b in self.solid])
+        """The windows that thin solids part: they count as solid besides what is drawn."""
+        return solid_windows(self.grid, [entry.shape for entry in self.solid])
 
-    def overlap(self, one: list[Body], other: list[Body]) -> tuple[float, tuple[float, ...]]:
-        """Area [m2] of the largest common section over the layers, and the bounds of it in x, z."""
+    def overlap(self, one: list[Entry], other: list[Entry]) -> tuple[float, tuple[float, ...]]:
+        """Area [m2] of the largest common section over the layers, and the bounds of it in x, z [m]."""
         common = [shapely.intersection(self.area(one, y), self.area(other, y)) for y in self.layers]
         largest = max(common, key=lambda c: c.area)
         return largest.area, largest.bounds
@@ -86,18 +89,25 @@ class Section:
         return 1e-6 * self.case.domain.spacing**2
 
     def open_water(self, layer: shapes.Span) -> shapely.Geometry:
+        """The water at the start in a layer, without the solids in it."""
         return shapely.difference(self.area(self.water, layer), self.area(self.solid, layer))
 
     def tops(self, areas: list[shapely.Geometry]) -> FloatArray:
-        """Top [m] of an area per layer over evenly spaced columns and the middles of shapes; 0 where there is none."""
-        ends = [np.clip([b.shape.bounds[0][0], b.shape.bounds[1][0]], 0.0, self.window[2]) for b in self.bodies]
+        """Top [m] of an area per layer, over evenly spaced columns and the middles of shapes; 0 where there is none."""
+        ends = [np.clip([e.shape.bounds[0][0], e.shape.bounds[1][0]], 0.0, self.window[2]) for e in self.entries]
         x = np.concatenate([(np.arange(COLUMNS) + 0.5) / COLUMNS * self.window[2], np.mean(ends, axis=1)])
         feet, heads = (np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3]))
         columns = shapely.linestrings(np.stack([feet, heads], axis=1))
         return np.array([np.nan_to_num(shapely.bounds(shapely.intersection(columns, a))[:, 3]) for a in areas])
 
+    def standing(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Height of the water standing at places x (N,), and its level, both (layers, N) [m]; NaN level where dry."""
+        ends = np.stack([np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3])], axis=1)
+        wet = [shapely.intersection(shapely.linestrings(ends), self.open_water(y)) for y in self.layers]
+        return np.array([shapely.length(w) for w in wet]), np.array([shapely.bounds(w)[:, 3] for w in wet])
+
     def depth(self) -> float:
-        """Highest level of the water [m]."""
+        """Highest level of the water at the start [m]."""
         return float(self.tops([self.open_water(y) for y in self.layers]).max())
 
     def drop(self) -> float:
@@ -106,28 +116,36 @@ class Section:
         floor = self.tops([self.area(self.solid, y) for y in self.layers])
         return max(0.0, float(water.max() - np.maximum(water, floor).min()))
 
+    def expected_speed(self) -> float:
+        """Speed of the water to expect [m/s]: sqrt(2 g drop), and at least a tenth of that of long waves, sqrt(g d).
+
+        The depth d counts as one cell or more.
+        """
+        g = max(self.case.fluid.gravity, 1e-12)
+        return max(sqrt(2 * g * self.drop()), 0.1 * sqrt(g * max(self.depth(), self.grid.spacing[-1])))
+
     def particles(self) -> float:
-        """How many the water is made of: 2 per cell and axis."""
+        """Number of particles that the water is made of: two per cell and axis."""
         flat = self.grid.dimension == 2
         widths = [1.0 if flat else y1 - y0 for y0, y1 in self.layers]
         volume = sum(self.open_water(y).area * w for y, w in zip(self.layers, widths, strict=True))
         return volume / self.grid.cell_volume * 2**self.grid.dimension
 
-    def extent(self, body: Body) -> tuple[float, ...]:
-        """Length [m] of the body inside the domain along each axis."""
-        lower, upper = body.shape.bounds
+    def extent(self, entry: Entry) -> tuple[float, ...]:
+        """Length [m] of an entry inside the tank along each axis."""
+        lower, upper = entry.shape.bounds
         return tuple(np.minimum(upper, self.case.domain.size) - np.maximum(lower, 0.0))
 
-    def thickness(self, body: Body) -> float:
-        """What the grid has to resolve [m]: width of the largest circle inside a polygon, shortest side of a box.
+    def thickness(self, entry: Entry) -> float:
+        """Thickness that the grid has to resolve [m]: the largest circle inside a polygon, the shortest side of a box.
 
         A side that reaches from wall to wall does not count; inf when all do.
         """
         size = self.case.domain.size
-        counted = [e for e, s in zip(self.extent(body), size, strict=True) if e < s * (1 - 1e-9)]
-        if body.entry.polygon is not None and counted:
-            outline = body.shape.section(self.window)
-            if self.extent(body)[0] >= size[0] * (1 - 1e-9):
+        counted = [e for e, s in zip(self.extent(entry), size, strict=True) if e < s * (1 - 1e-9)]
+        if entry.row.polygon is not None and counted:
+            outline = entry.shape.section(self.window)
+            if self.extent(entry)[0] >= size[0] * (1 - 1e-9):
                 counted.append(outline.area / size[0])
             else:
                 for part in shapes.polygons(outline):

@@ -1,7 +1,7 @@
 """Pre-flight of [waves] and [[sponge]]: can theory and grid carry the wave, does the maker stand in the right water.
 
 `waves_fit` and `sponges_fit` are two of the checks of `rules.py`; what is printed about a sound wave is in
-`wave_report.py`.
+`report.py`.
 """
 
 from __future__ import annotations
@@ -22,10 +22,9 @@ from houle.case.model import Case
 from houle.case.tables.tank import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
 from houle.case.wave import read_record
-from houle.check.section import Finding, Section
+from houle.check.section import CrossSection, Finding
 from houle.data.history import shortcomings
 from houle.errors import CaseError
-from houle.grid import FloatArray
 from houle.medium import shapes
 from houle.waves import record
 from houle.waves.check import assess
@@ -57,7 +56,7 @@ def reach(case: Case, wave: Wave) -> Reach:
     return maker.x - half, maker.x + half
 
 
-def waves_fit(s: Section) -> Iterator[Finding]:
+def waves_fit(s: CrossSection) -> Iterator[Finding]:
     """[waves]: theory, grid, maker, depth, bodies, lid, gauges."""
     table, case = s.case.waves, s.case
     if table is None:
@@ -92,7 +91,7 @@ def _told(level: Literal["error", "warning"], message: str) -> Finding:
     return Finding(level, named[1], named[2].removeprefix(" ")) if named else Finding(level, "waves", f": {message}")
 
 
-def _record(s: Section, wave: Wave) -> Iterator[Finding]:
+def _record(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """The record meets the clock of the run, has no holes; what a wall or a force leaves out of it."""
     table, end = s.case.waves, s.case.time.end
     assert table is not None and table.file is not None
@@ -113,7 +112,7 @@ def _record(s: Section, wave: Wave) -> Iterator[Finding]:
             yield Finding("warning" if share > TOLD else "info", "waves.file", text)
 
 
-def _focus(s: Section, wave: Wave) -> Iterator[Finding]:
+def _focus(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """The crest comes together inside the tank, before the end of the run, and early enough away from the maker."""
     table, case = s.case.waves, s.case
     assert table is not None and table.focus is not None
@@ -161,7 +160,7 @@ def _leaves(table: Waves, wave: Wave, way: float) -> tuple[float, float]:
     return arrives, arrives + wave.period
 
 
-def _source(s: Section, wave: Wave) -> Iterator[Finding]:
+def _source(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """The source lies inside the tank, and no sponge takes its waves away at once."""
     table, size = s.case.waves, s.case.domain.size[0]
     assert table is not None and table.source is not None
@@ -204,7 +203,7 @@ def _source(s: Section, wave: Wave) -> Iterator[Finding]:
         yield from _oblique(s, wave)
 
 
-def _oblique(s: Section, wave: Wave) -> Iterator[Finding]:
+def _oblique(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """Crests at an angle to y meet themselves across joined sides, and are sent back by walls."""
     case = s.case
     assert case.waves is not None
@@ -222,7 +221,7 @@ def _oblique(s: Section, wave: Wave) -> Iterator[Finding]:
         yield Finding("error", "waves.direction", text)
 
 
-def _taken_up(s: Section, low: float) -> Iterator[Finding]:
+def _taken_up(s: CrossSection, low: float) -> Iterator[Finding]:
     """The waves that a source sends to the left go into a sponge."""
     if s.case.domain.periodic[0] or any(sponge.box[0][0] <= s.case.domain.spacing for sponge in s.case.sponge):
         return
@@ -233,7 +232,7 @@ def _taken_up(s: Section, low: float) -> Iterator[Finding]:
     yield Finding("warning", "waves.source.side", text)
 
 
-def _zone(s: Section, wave: Wave) -> Iterator[Finding]:
+def _zone(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """The zone begins at the left wall, is long enough, and leads along x."""
     case, size, h = s.case, s.case.domain.size[0], s.grid.spacing[0]
     assert case.waves is not None and case.waves.zone is not None
@@ -261,7 +260,7 @@ def _zone(s: Section, wave: Wave) -> Iterator[Finding]:
             yield Finding("error", _key(case, i), text)
 
 
-def _piston(s: Section, wave: Wave) -> Iterator[Finding]:
+def _piston(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """Inside the tank; the rest is in paddles.py."""
     table, size = s.case.waves, s.case.domain.size[0]
     assert table is not None and table.piston is not None
@@ -279,18 +278,11 @@ def _long_enough(case: Case) -> float:
     return LONG if _periodic(case) else LONG_OF_A_SOLITARY
 
 
-def columns(s: Section, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Height of water [m] standing at the places x, and its level [m]; (layers, places), NaN level where dry."""
-    ends = np.stack([np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, s.window[3])], axis=1)
-    wet = [shapely.intersection(shapely.linestrings(ends), s.open_water(y)) for y in s.layers]
-    return np.array([shapely.length(w) for w in wet]), np.array([shapely.bounds(w)[:, 3] for w in wet])
-
-
-def _depth(s: Section, wave: Wave) -> Iterator[Finding]:
+def _depth(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """waves.depth is that of the still water all along the maker."""
     low, high = reach(s.case, wave)
     x = np.linspace(low, high, SAMPLES)[1:-1]
-    standing = columns(s, x)[0]
+    standing = s.standing(x)[0]
     allowed = max(SAME, SAME * wave.depth)
     off = np.abs(standing - wave.depth)
     if off.max() <= allowed:
@@ -307,7 +299,7 @@ def _depth(s: Section, wave: Wave) -> Iterator[Finding]:
     yield Finding("error", "waves.depth", f"= {wave.depth:g} m, but {there} {at}: {cure}")
 
 
-def _stones(s: Section, wave: Wave) -> Iterator[Finding]:
+def _stones(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """No porous body where the waves are made."""
     low, high = reach(s.case, wave)
     for body, (x0, x1) in _porous_in(s, shapely.box(low, 0.0, high, s.window[3])):
@@ -315,7 +307,7 @@ def _stones(s: Section, wave: Wave) -> Iterator[Finding]:
         yield Finding("error", body, text + "clear water only; move one of them")
 
 
-def _porous_in(s: Section, window: shapely.Geometry, span: Reach = (-inf, inf)) -> Iterator[tuple[str, Reach]]:
+def _porous_in(s: CrossSection, window: shapely.Geometry, span: Reach = (-inf, inf)) -> Iterator[tuple[str, Reach]]:
     """Porous bodies in a window of the section, in layers within a span of y; from and to x [m]."""
     for body in s.porous:
         for layer in _layers(s, span):
@@ -325,12 +317,12 @@ def _porous_in(s: Section, window: shapely.Geometry, span: Reach = (-inf, inf)) 
                 break
 
 
-def _layers(s: Section, span: Reach) -> list[shapes.Span]:
+def _layers(s: CrossSection, span: Reach) -> list[shapes.Span]:
     """Those whose middle lies in a span of y [m]; the one of 2D always."""
     return [y for y in s.layers if s.case.dimension == 2 or span[0] <= (y[0] + y[1]) / 2 <= span[1]]
 
 
-def _crests(s: Section, wave: Wave) -> Iterator[Finding]:
+def _crests(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """Cells in the water over what it covers: short harmonics arise there, and the grid has to carry them."""
     level, h = s.depth(), s.grid.spacing[-1]
     for body in (*s.solid, *s.porous):
@@ -345,7 +337,7 @@ def _crests(s: Section, wave: Wave) -> Iterator[Finding]:
             yield Finding("warning", body.key, text)
 
 
-def _lid(s: Section, wave: Wave) -> Iterator[Finding]:
+def _lid(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """The crests stay below the lid, and so do those of a wave that is sent back whole."""
     top, still = s.case.domain.size[-1], s.depth()
     freeboard = top - still
@@ -367,7 +359,7 @@ def _lid(s: Section, wave: Wave) -> Iterator[Finding]:
         yield Finding("warning", "domain.size", text)
 
 
-def _gauges(s: Section, wave: Wave) -> Iterator[Finding]:
+def _gauges(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     """Gauges see the waves where nothing acts on them but water."""
     case = s.case
     assert case.waves is not None
@@ -385,7 +377,7 @@ def _gauges(s: Section, wave: Wave) -> Iterator[Finding]:
                 yield Finding("warning", f"{place(('gauge', i), case.__dict__)}.x", text)
 
 
-def sponges_fit(s: Section) -> Iterator[Finding]:
+def sponges_fit(s: CrossSection) -> Iterator[Finding]:
     """Each sponge lies inside the tank, touches one side, takes in the whole depth and is long enough."""
     try:
         wave = s.case.wave
@@ -403,7 +395,7 @@ def _key(case: Case, i: int) -> str:
     return place(("sponge", i), case.__dict__)
 
 
-def _placed(s: Section, i: int, sponge: Sponge) -> Iterator[Finding]:
+def _placed(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
     """Inside the domain, at one of its sides."""
     case, size = s.case, s.case.domain.size
     names = ("x", "z") if case.dimension == 2 else ("x", "y", "z")
@@ -435,7 +427,7 @@ def _placed(s: Section, i: int, sponge: Sponge) -> Iterator[Finding]:
         yield Finding("error", key, held)
 
 
-def _filled(s: Section, i: int, sponge: Sponge) -> Iterator[Finding]:
+def _filled(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
     """The box holds all the water between its ends, and no porous body."""
     (x0, z0), (x1, z1) = ((corner[0], corner[-1]) for corner in sponge.box)
     span = (sponge.box[0][1], sponge.box[1][1]) if s.case.dimension == 3 else (-inf, inf)
@@ -458,7 +450,7 @@ def _filled(s: Section, i: int, sponge: Sponge) -> Iterator[Finding]:
         yield Finding("error", body, text)
 
 
-def _long(s: Section, i: int, sponge: Sponge, wave: Wave | None) -> Iterator[Finding]:
+def _long(s: CrossSection, i: int, sponge: Sponge, wave: Wave | None) -> Iterator[Finding]:
     """A sponge much shorter than the wave reflects it."""
     axis, _ = sides(sponge.box, s.case.domain.size, min(s.grid.spacing) / 2)[0]
     long = sponge.box[1][axis] - sponge.box[0][axis]

@@ -288,6 +288,23 @@ def solid_windows(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
     return [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
 
 
+def closed_passage(grid: Grid, open_: shapely.Geometry, windows: shapely.Geometry) -> tuple[float, float] | None:
+    """Where in a section (x, z) [m] the windows that count as solid first part the open space in two.
+
+    Both parts are larger than a cell. None where the windows close no passage.
+    """
+    least = grid.spacing[0] * grid.spacing[-1]
+    for space in polygons(open_):
+        rest = polygons(shapely.difference(space, windows))
+        rest = rest[shapely.area(rest) > least]
+        if len(rest) > 1:
+            between = polygons(shapely.intersection(space, windows))
+            touched = shapely.dwithin(between[:, None], rest, NEAR * max(grid.spacing)).sum(axis=1)
+            x, z = shapely.get_coordinates(shapely.point_on_surface(between[np.argmax(touched)]))[0]
+            return float(x), float(z)
+    return None
+
+
 def at_width(boxes: Sequence[Box], y: float) -> list[Box]:
     """Those that reach over a y in 3D; all of them in 2D."""
     return [box for box in boxes if box.span[0] <= y <= box.span[1]]

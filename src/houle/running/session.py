@@ -14,7 +14,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from houle.check.cost import drag_of
+from houle.check.drag import drag_of
 from houle.data import laboratory
 from houle.flow.ledger import WORKS
 from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest

@@ -1,20 +1,32 @@
-"""The passport of a porous body: what its resistance is, in every convention in use, and where its law is stretched."""
+"""The drag of the porous bodies of a case, in every convention in use, and where a law is stretched."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, sqrt
+from typing import Any
 
 from houle.case.build import coefficients, stated
+from houle.case.model import Case
 from houle.case.tables.tank import Fluid, Porous
-from houle.medium.resistance import LAWS, Law, inertia_coefficient, steady_velocity
+from houle.check.section import CrossSection, Entry
+from houle.medium.resistance import (
+    LAWS,
+    Law,
+    inertia_coefficient,
+    steady_velocity,
+)
 
 REFERENCE_VELOCITY = 0.10  # Darcy velocity [m/s] at which the laws are compared
+STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
 
 
 @dataclass(frozen=True)
-class Passport:
-    """What a body's resistance is, in every convention in use; `warnings` says where the law is stretched."""
+class DragSheet:
+    """The drag of one porous body in every convention in use, so that it can be compared with any paper.
+
+    `warnings` says where the body lies outside the range that the law was measured in.
+    """
 
     name: str
     words: str
@@ -38,13 +50,39 @@ class Passport:
     warnings: tuple[str, ...]
 
 
-def passport(
-    body: Porous, fluid: Fluid, velocity: float | None = None, gradient: float = 1.0, period: float = inf
-) -> Passport:
-    """Everything `houle check` prints about a body.
+def drag_sheets(case: Case) -> list[DragSheet]:
+    """The sheet of every porous body, at the Darcy velocity of steady flow under the hydraulic gradient it may see."""
+    section, period = CrossSection(case), case.drag_period
+    drop = section.drop()
+    return [
+        drag_sheet(b.row, case.fluid, gradient=expected_gradient(section, b, drop), period=period)
+        for b in section.porous
+    ]
 
-    velocity  expected Darcy velocity [m/s]; without it the steady one under the hydraulic gradient [-] given.
-    period    of the waves [s], see `coefficients`
+
+def drag_of(case: Case) -> list[dict[str, Any]]:
+    """The entries of run.json on the porous bodies: each law with the coefficients taken, and the drag they make."""
+    return [
+        {"name": p.name, "law": p.words, "a": p.a, "b": p.b, "inertia": p.inertia,
+         "added_mass_on": p.added_mass_on, "period": p.period, "oscillating": p.oscillating}
+        for p in drag_sheets(case)
+    ]  # fmt: skip
+
+
+def expected_gradient(section: CrossSection, body: Entry, drop: float) -> float:
+    """Hydraulic gradient [-]: the drop of the level over the length of the body, at most 1; STILL in level water."""
+    if drop < section.grid.spacing[-1]:
+        return STILL
+    return float(min(1.0, drop / section.extent(body)[0]))
+
+
+def drag_sheet(
+    body: Porous, fluid: Fluid, velocity: float | None = None, gradient: float = 1.0, period: float = inf
+) -> DragSheet:
+    """The sheet of a body.
+
+    velocity is the Darcy velocity to expect [m/s]; without it, that of steady flow under the hydraulic gradient [-]
+    is taken. period is that of the waves [s], as in `coefficients`.
     """
     n, d, r = body.porosity, body.grain_diameter, body.resistance
     a, b = coefficients(r, n, d, fluid.viscosity, period)
@@ -58,7 +96,7 @@ def passport(
     steady = law(n, d or 1.0, fluid.viscosity, **{**taken, "period": inf})[0] if law and known is not None else a
     named = f"{r.law}: {values}" if values else str(r.law)
     reynolds = u * d / fluid.viscosity if d is not None and fluid.viscosity and u < inf else None
-    return Passport(
+    return DragSheet(
         name=body.name,
         words=named if law else ("permeability, forchheimer" if r.permeability is not None else "a, b"),
         source=law.source if law else "given in the case file",
@@ -83,7 +121,7 @@ def passport(
 
 
 def _stretched(law: Law, n: float, d: float | None, reynolds: float | None) -> list[str]:
-    """Where a body lies outside the range its law was measured in, both numbers quoted."""
+    """One line for each property of a body outside the range of its law, with both numbers."""
     looked_at = (("porosity", n, law.porosity, ""), ("grain_diameter", d, law.diameter, " m"))
     found = [
         f"{word} = {value:g}{unit} is outside {low:g} to {high:g}{unit}, the range behind the law"
