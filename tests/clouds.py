@@ -79,7 +79,7 @@ def each_once(grid: Grid, axis: int, field: FloatArray) -> FloatArray:
 
 
 def porosity_at(grid: Grid, medium: Medium, particles: Particles) -> FloatArray | None:
-    """Of the medium at the particles (N,), as remeshing takes it; None in clear water."""
+    """Porosity of the medium at the particles (N,), as remeshing takes it; None in clear water."""
     if not medium.bodies:
         return None
     flow = Flow(grid, medium, particles, gravity=(0.0,) * grid.dimension)

@@ -178,7 +178,7 @@ class Lattice:
         return []
 
     def fullest(self, node, radius, got, may):
-        """Of the other nodes in sight that may(what they hold), the one that holds most."""
+        """The other node in sight that holds most, among those for which may(what it holds) is true."""
         best = None
         for other in self.near(node, radius):
             if other == node or other not in got or got[other].bulk <= (got[best].bulk if best else 0.0):

@@ -21,7 +21,7 @@ def measured(case, end, scale=1.0):
 
 
 def test_a_window_of_a_random_sea_is_measured_against_that_sea():
-    """Of 22 periods the height is 6 to 12 % off; against the sea as made nothing is left, and a loss of 3 % is seen."""
+    """In 22 periods the height is 6 to 12 % off; against the sea as made nothing is left, and a loss of 3 % is seen."""
     case = load("breakwater")
     found = measured(case, 13.0 + 22 * case.waves.period)
     assert abs(found.H_I / case.waves.height - 1) > 0.05

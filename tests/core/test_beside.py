@@ -57,7 +57,7 @@ class Cloud:
         return u
 
     def inertia_differs(self, inertia):
-        """Of particles (N, d): whether the faces of an axis at the corners of the box around one have another."""
+        """True where the faces of an axis at the corners of the box around a particle differ in inertia, (N, d)."""
         found = np.zeros(self.x.shape, bool)
         for axis, J in enumerate(inertia):
             shift = 0.5 * (np.arange(self.grid.dimension) != axis)

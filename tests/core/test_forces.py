@@ -36,7 +36,7 @@ def forces(grid, u, medium, gravity, dt, extra=(), rate=(), held=()):
 
 
 def drag_work(grid, medium, u, after, mobility, rate=()):
-    """Of faces that carry a mass of 1 / inertia."""
+    """Work that drag takes on faces that carry a mass of 1 / inertia."""
     number, table = listed(*medium[:3])
     mass = [1.0 / f for f in medium[0]]
     return _core.drag_work(grid.core, number, table, list(rate), mass, mobility, u, after)

@@ -97,7 +97,7 @@ class Situation:
         return np.ascontiguousarray(x[self.depth_in_solids(x) == 0.0])
 
     def depth_in_solids(self, x: FloatArray) -> FloatArray:
-        """Of each position, in spacings."""
+        """Depth of each position in solids, in spacings, 0 outside."""
         out = x.copy()
         _core.leave_solids(self.grid.core, self.medium.outline, out)
         return np.abs((out - x) / self.h).max(axis=1, initial=0.0)

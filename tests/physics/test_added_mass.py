@@ -173,7 +173,7 @@ def test_so_with_other_transfers(keys):
 
 
 def slope_of_bernoulli(on: str, porosity: float, added_mass: float, **keys: Any) -> float:
-    """Of p/rho against u^2/2, between the wide and the narrow part of a duct in which flow starts from rest."""
+    """Ratio of p/rho to u^2/2 between the wide and the narrow part of a duct in which flow starts from rest."""
     x = np.linspace(0.02, 0.98, 33)
     bump = 0.05 * (1.0 - np.cos(2.0 * np.pi * x))
     ends = ([0.02, 0.0], [0.98, 0.0])

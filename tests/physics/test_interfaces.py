@@ -102,7 +102,7 @@ def test_a_uniform_stream_along_an_impermeable_bed_keeps_its_momentum(transfer):
 
 
 def amplitudes(ends: dict[str, Any], x0: float, periods: int) -> list[float]:
-    """Of a standing wave of half a length, 0.75 m, from x0 on, in its first and last period [m]; cells of 30 mm."""
+    """Amplitudes [m] in the first and last period of half a standing wave, 0.75 m long, from x0 on; cells of 30 mm."""
     length, depth, height, cell = 0.75, 0.36, 0.02, 0.03
     k = np.pi / length
     omega = np.sqrt(9.81 * k * np.tanh(k * depth))

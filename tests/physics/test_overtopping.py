@@ -213,7 +213,7 @@ def test_under_a_slab_and_over_it():
 
 
 def test_remeshing_is_booked_as_it_moves_water():
-    """Of a random cloud the change of the water behind the section is booked to round-off, above and below the level
+    """The change of the water of a random cloud behind the section is booked to round-off, above and below the level
     together; nothing where there is no water above it."""
     rng = np.random.default_rng(3)
     grid = Grid(shape=(10, 10), spacing=(0.1, 0.1), periodic=(False, False))

@@ -100,7 +100,7 @@ def test_water_on_both_sides_of_the_seam_is_seen_past_a_solid_far_away():
 
 
 def test_a_plate_with_corners_of_water_beside_it_holds_water():
-    """Of the water beyond a plate of .9 cells less than a thousandth of a cell was in one, at a face a tenth open: .3 %
+    """Water beyond a plate of .9 cells: less than a thousandth of a cell was in one, at a face a tenth open: .3 %
     of it came back through that in .6 s.
     """
     lid = [[0.96, 0.1801], [0.96, 0.1522], [0.0, 0.3333], [0.0, 0.36], [0.0063, 0.36]]
@@ -149,7 +149,7 @@ def test_an_oblique_plate_holds_the_water_on_both_sides(lean, transfer):
 
 
 def test_a_plate_across_y_at_the_seam_holds_water():
-    """Of two pools between it and one in the middle; .1 % went through in .3 s."""
+    """Two pools between the seam and a plate in the middle keep their water; .1 % went through in .3 s."""
     plates = [[[0.0, 0.0, 0.0], [0.6, 0.003, 0.36]], [[0.0, 0.127, 0.0], [0.6, 0.133, 0.36]]]
     water = [[[0.0, 0.003, 0.0], [0.6, 0.127, 0.24]], [[0.0, 0.133, 0.0], [0.6, 0.24, 0.12]]]
     sim = simulation(

@@ -62,7 +62,7 @@ def test_so_without_remeshing_and_correction(keys):
 
 
 def test_so_with_drag():
-    """Of n = 0.25 and ordinary grains: 1.5 times what gravity could give on the old force."""
+    """A body of n = 0.25 and ordinary grains: 1.5 times what gravity could give on the old force."""
     gravel = {"grain_diameter": 0.05, "resistance": {"law": "van-gent-1995"}}
     assert energies(simulation(falling(0.25, 0.9217, gravel)))[0].max() < 1.0
 
