@@ -1,7 +1,7 @@
-"""No run gains energy in silence: the kinetic energy that the water can have, of what it had and what it was given.
+"""The budget of energy: no run gains energy in silence.
 
-The water of a run can have in motion no more than its energy at the start above that of its lowest state, and what has
-come since: the work of makers, moving walls and open sides, the energy of water that came in, the height of water that
+The kinetic energy of the water is at most what the water had at the start above its lowest state, and what has come
+since: the work of makers, moving walls and open sides, the energy of water that came in, the height of water that
 `remesh = "paper"` made. What drag, viscosity and sponges took is not counted against it (docs/theory.md, section 13).
 """
 
@@ -19,16 +19,18 @@ if TYPE_CHECKING:
     from houle.flow.ledger import Ledger
     from houle.flow.state import Flow
 
-MORE = 0.05  # of what there is, that the sums of the ledger may be wrong by
-LEAST = 0.01  # of a cell, that all water may fall: motion of no account, in water at rest
+MORE = 0.05  # share of what there is by which the sums of the ledger may be wrong
+LEAST = 0.01  # share of a cell by which all water may fall: motion of no account, in water at rest
 
 
 @dataclass(frozen=True)
 class _Pores:
-    """Pores filled from below, each cell evenly between its lowest and its highest potential.
+    """The pores of a tank, filled from below: each cell evenly between its lowest and its highest potential.
 
-    level (K,) potentials at which cells begin or end [m2/s2]; share (K,) volume per potential above each of them;
-    volume, energy (K,) of the water up to each.
+    level   (K,) potentials at which cells begin or end [m2/s2]
+    share   (K,) volume per potential above each level [m^d s2/m2]
+    volume  (K,) of the water that fills the pores up to each level [m^d]
+    energy  (K,) potential energy of that water [m^d m2/s2]
     """
 
     level: FloatArray
@@ -38,7 +40,7 @@ class _Pores:
 
     @classmethod
     def of(cls, grid: Grid, pores: FloatArray, gravity: FloatArray) -> _Pores:
-        """pores: of the cells [m^d]; axes without gravity are summed over first."""
+        """The pores of all cells, their volumes (nx, [ny,] nz) [m^d], under gravity (d,) [m/s2]."""
         pores = np.sum(pores, axis=tuple(np.flatnonzero(gravity == 0.0)))
         lines = [
             -g * h * (np.arange(n) + 0.5) for g, h, n in zip(gravity, grid.spacing, grid.shape, strict=True) if g != 0.0
@@ -56,28 +58,31 @@ class _Pores:
         return cls(level, share, volume, energy)
 
     def lowest(self, volume: float) -> float:
-        """Potential energy of this volume of water [m^d m2/s2], all of it as low as it can be."""
+        """Potential energy of a volume of water [m^d] that lies as low as it can [m^d m2/s2]."""
         k = int(np.searchsorted(self.volume, volume, side="right")) - 1
         more, share = volume - self.volume[k], self.share[k]
         return float(self.energy[k] + more * self.level[k] + (0.5 * more**2 / share if share > 0.0 else 0.0))
 
 
 class Budget:
-    """What the water of a flow could have in motion, per density [m^d m2/s2]."""
+    """How much kinetic energy the water of a flow can have, per density [m^d m2/s2]. It keeps nothing between steps."""
 
     def __init__(self, flow: Flow) -> None:
         grid, medium = flow.grid, flow.medium
         self.gravity = np.array(flow.gravity[: grid.dimension])
-        self.endless = bool(np.any(self.gravity[list(grid.periodic)]))  # falls for ever: nothing bounds its energy
+        self.endless = bool(np.any(self.gravity[list(grid.periodic)]))  # water falls for ever: nothing bounds it
         self.gravity[list(grid.periodic)] = 0.0
         self.pores = _Pores.of(grid, medium.porosity * medium.open_cells * grid.cell_volume, self.gravity)
-        self.size = float(np.abs(self.gravity) @ np.array(grid.size))
-        self.fall = LEAST * float(np.linalg.norm(self.gravity)) * max(grid.spacing)
+        self.range = float(np.abs(self.gravity) @ np.array(grid.size))  # of the potential in the tank [m2/s2]
+        self.fall = LEAST * float(np.linalg.norm(self.gravity)) * max(grid.spacing)  # potential of no account [m2/s2]
 
     def available(self, flow: Flow, ledger: Ledger) -> float:
-        """With no air in it, all water would fall into the lowest pores."""
+        """Kinetic energy of the water if all of it had fallen into the lowest pores, with no air there.
+
+        Water that remeshing made counts as if it had appeared at the top of the tank.
+        """
         volume = flow.particles.total_volume
-        made = max(ledger.volume_drift(), 0.0) * volume * self.size
+        made = max(ledger.volume_drift(), 0.0) * volume * self.range
         return max(ledger.start + ledger.given + made - self.pores.lowest(volume), 0.0)
 
     def check(self, flow: Flow, ledger: Ledger, density: float) -> None:

@@ -1,11 +1,12 @@
-"""Water that crosses an upright section, above a level: booked where particles move, as much as each of them carries.
+"""Overtopping: the water that crosses an upright section above a level, as much as each particle carries across.
 
-Nothing is subtracted. A motion (advection, position correction) takes a particle straight from one place to another:
-where the line crosses the section, the water of the particle is counted or not by the height there. Remeshing hands the
-water of particles to new ones: what one gets from the other side of the section is counted by the height it came from.
-So the changes of the water behind the section add up to what crosses it, above the level and below, to round-off; and
-where nothing crosses above the level nothing is added up. A solid in the section cannot be crossed: a line through
-one stands for a way around its nearer end, so behind a wall that is closed up to the level all of the water counts.
+A motion (advection, position correction) takes a particle straight from one place to another: where the line crosses
+the section, the water of the particle counts if the height there is above the level. Remeshing hands the water of
+particles to new ones: what one gets from the other side of the section counts by the height that it came from. No
+volumes are subtracted from each other: the changes of the water behind the section add up to what crosses it, above the
+level and below, to round-off, and where nothing crosses above the level the sum stays 0. Nothing crosses a solid in the
+section: a line through one stands for a way around its nearer end, so behind a wall that is closed up to the level all
+of the water counts.
 """
 
 from __future__ import annotations
@@ -19,16 +20,18 @@ from houle.medium.medium import Medium
 from houle.medium.sections import partition
 from houle.medium.shapes import spans_inside
 
-NEAR = 1e-6  # [cells] from the section on either side, what is solid there closes it; and of its ends in height
-REACH = 4  # cells from the section: a particle that crosses it was sorted not farther away
-HANDED = 20  # cells, farther than remeshing hands water on
+NEAR = 1e-6  # cells on either side of the section: what is solid there closes it; and in height, of its ends
+REACH = 4  # cells from the section: a particle that crosses it was not farther away when particles were sorted
+HANDED = 20  # cells: farther than remeshing hands water on
 
 
 class Crest:
-    """The section at x and what has crossed it above `level` since the start.
+    """An upright section across the tank, and what has crossed it above a level since the start.
 
-    sign: +1 where behind the section is towards larger x, else -1. passed: volume that went behind it, less what came
-    back [m^d].
+    x       where it stands [m]
+    sign    +1 if the space behind it is that at larger x, else -1
+    level   height above which what crosses counts [m]; -inf: all that crosses counts
+    passed  volume that went behind it, less what came back [m^d]
     """
 
     def __init__(self, grid: Grid, medium: Medium, x: float, level: float | None, to_the_right: bool) -> None:
@@ -44,15 +47,15 @@ class Crest:
         self.cells = low * per_column, high * per_column
 
     def near(self, start: NDArray[np.int32]) -> slice:
-        """The particles that may cross it, of those sorted by cells that begin at `start`."""
+        """Numbers of the particles that may cross it in a motion. start (cells + 1,): first particle of each cell."""
         return slice(int(start[self.cells[0]]), int(start[self.cells[1]]))
 
     def behind(self, position: FloatArray) -> NDArray[np.bool_]:
-        """Which of the places (N, d) lie behind it."""
+        """Whether places (N, d) [m] lie behind the section, (N,)."""
         return self.sign * (position[:, 0] - self.x) > 0.0
 
     def counts(self, place: FloatArray) -> NDArray[np.bool_]:
-        """Whether what crosses the section at the height of these places (N, d) does so above the level."""
+        """Whether what crosses the section at the height of places (N, d) [m] does so above the level, (N,)."""
         if self.level == -np.inf:
             return np.ones(len(place), bool)
         if place.shape[1] == 2:
@@ -64,7 +67,7 @@ class Crest:
         return found
 
     def moved(self, before: FloatArray, after: FloatArray, volume: FloatArray) -> None:
-        """Books the motion of particles (N, d) of some volumes (N,) [m^d]."""
+        """Books a motion: particles with volumes (N,) [m^d] went straight from places (N, d) [m] to others."""
         ends = self.behind(after)
         crossed = np.flatnonzero(self.behind(before) != ends)
         if len(crossed) == 0:
@@ -76,8 +79,10 @@ class Crest:
         self.passed += float(signed[self.counts(place)].sum())
 
     def marks(self, position: FloatArray) -> FloatArray | None:
-        """Marks (N, d) of particles (N, d) whose water counts where remeshing hands it across: 1 for those in front in
-        the first column, for those behind in the second. None if none of them is near.
+        """Marks (N, d) of the particles whose water counts where remeshing hands it across; None if none is near.
+
+        The first number is 1 for those in front of the section, the second is 1 for those behind it. Remeshing hands
+        the marks on with the water: what a new particle has of a mark is the share of marked water in it.
         """
         marked = np.zeros(position.shape)
         near = np.flatnonzero(np.abs(position[:, 0] - self.x) < HANDED * self.spacing)
@@ -87,7 +92,7 @@ class Crest:
         return marked if len(near) else None
 
     def handed(self, position: FloatArray, volume: FloatArray, marks: FloatArray) -> None:
-        """Books a remeshing: new particles (N, d), and in their volumes (N,) the shares (N, d) of marked water."""
+        """Books a remeshing. marks (N, d): shares of marked water in the volumes (N,) [m^d] of the new particles."""
         behind = self.behind(position)
         came, went = marks[:, 0] * behind, marks[:, 1] * ~behind
         some = np.flatnonzero((came != 0.0) | (went != 0.0))
@@ -95,7 +100,7 @@ class Crest:
 
 
 def _openings(solid: shapely.Geometry, x: float, grid: Grid) -> FloatArray:
-    """Heights (K, 2) [m] between which the section at x is open; without end at the floor and at the lid.
+    """Heights (K, 2) [m] between which the section at x is open; floor and lid do not end an opening.
 
     Where it is closed from floor to lid there is one opening, infinitely high: over the top.
     """
@@ -112,7 +117,7 @@ def _openings(solid: shapely.Geometry, x: float, grid: Grid) -> FloatArray:
 
 
 def _passes(z: FloatArray, openings: FloatArray) -> FloatArray:
-    """The height (N,) at which what crosses at z (N,) really passes: in the nearest of the openings (K, 2)."""
+    """Heights (N,) [m] at which what crosses at the heights z (N,) passes: in the nearest of the openings (K, 2)."""
     away = np.maximum(openings[:, 0] - z[:, None], z[:, None] - openings[:, 1])
     low, high = openings[np.argmin(away, axis=1)].T
     return np.clip(z, low, high)

@@ -1,15 +1,21 @@
-"""The ledger: what each operation of a step did to the energy, and what the run has conserved.
+"""The ledger: what each operation of a step did to the energy of the water, and what the run has conserved.
 
-Energies are per step of the sequence in `step.py`, kinetic + potential. Inside a step the kinetic energy is that of the
-particles, except between the two transfers, where it is that of the faces; so the changes of all operations add up
-to the change of the particles' energy, and source and sink have a name. Units: m^d m2/s2; times the density outside.
+The energy of the water is kinetic + potential. Inside a step the kinetic energy is that of the particles, but between
+the two transfers it is that of the faces; so the changes of all operations add up to the change of the energy of the
+particles, and every source and sink has a name. Energies and works are per density [m^d m2/s2]: whoever writes them
+multiplies by it.
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 from weakref import ref
+
+import numpy as np
+
+from houle.grid import FloatArray
 
 if TYPE_CHECKING:
     from houle.flow.state import Flow
@@ -19,7 +25,10 @@ OPERATIONS = ("forces", "projection", "transfer", "advection", "exchange", "corr
 
 
 class _Clock:
-    """Times what is done inside `with` and books the energy it changed. A class: a generator takes thrice as long."""
+    """Times what is done inside `with`, and books the energy that it changed where it `books`.
+
+    It is a class because a generator would take three times as long, in every operation of every step.
+    """
 
     __slots__ = ("begin", "books", "ledger", "name")
 
@@ -38,7 +47,20 @@ class _Clock:
 
 
 class Ledger:
-    """Seconds and energy change of every operation, summed since the start of the run; notes of the last step."""
+    """Sums of a run: how long each operation took, what it did to the energy, what was taken and given.
+
+    seconds        that each operation took since the process started
+    energy         change by each of OPERATIONS since the start of the run
+    notes          numbers of the last step: iterations of the solver, divergence
+    volume0        water at the start [m^d]
+    drag_work      taken by the porous bodies
+    viscous_work   taken by the viscosity
+    sponge_work    taken by sponges and relaxation zones
+    source_work    given by wave makers and moving walls
+    open_work      given by the pressure at open sides
+    given          by makers, moving walls and open sides, in the steps in which they gave more than they took
+    kinetic, potential   energy after the last operation
+    """
 
     def __init__(self, flow: Flow) -> None:
         self.flow = flow
@@ -46,67 +68,63 @@ class Ledger:
         self.energy: dict[str, float] = dict.fromkeys(OPERATIONS, 0.0)
         self.notes: dict[str, float] = {}
         self.volume0 = flow.particles.total_volume
-        self.drag_work = 0.0
-        self.viscous_work = 0.0
-        self.sponge_work = 0.0  # taken by sponges and relaxation zones
-        self.source_work = 0.0  # given by wave makers
-        self.open_work = 0.0  # of the pressure at open sides
-        self.kinetic, self.potential = 0.0, 0.0  # at the last operation [m^d m2/s2]
-        self.given = 0.0  # by makers, moving walls and open sides, in the steps in which they gave
-        self._gave = 0.0  # by them, less what they took, since the start
-        self.on_grid = False
-        self.counted = ref(flow.particles)  # at the last operation; remeshing puts others in their place
+        self.drag_work = self.viscous_work = self.sponge_work = 0.0
+        self.source_work = self.open_work = self.given = 0.0
+        self.kinetic, self.potential = 0.0, 0.0
+        self._gave = 0.0  # by makers, moving walls and open sides, less what they took, since the start
+        self._on_grid = False  # whether the kinetic energy is that of the faces now
+        self._counted = ref(flow.particles)  # the particles after the last operation
 
     def operation(self, name: str) -> _Clock:
-        """Times an operation and books what it did to the energy."""
+        """A context that times an operation and books what it did to the energy."""
         return _Clock(self, name, name in self.energy)
 
     def clock(self, name: str) -> _Clock:
-        """Times what is no change of energy."""
+        """A context that times what does not change the energy."""
         return _Clock(self, name, False)
 
     def book(self, name: str) -> None:
-        """What an operation that ends now did to the energy."""
+        """Books what an operation that ends now did to the energy."""
         flow = self.flow
-        if (name == "exchange" and not flow.sides) or (name == "remeshing" and self.counted() is flow.particles):
+        if (name == "exchange" and not flow.sides) or (name == "remeshing" and self._counted() is flow.particles):
             return  # nothing was done
         kinetic, potential = self.kinetic, self.potential
         if name == "transfer":
-            self.on_grid = not self.on_grid
+            self._on_grid = not self._on_grid
         if name in ("transfer", "forces", "projection"):
-            kinetic = flow.grid_kinetic_energy() if self.on_grid else flow.kinetic_energy()
+            kinetic = flow.grid_kinetic_energy() if self._on_grid else flow.kinetic_energy()
         else:
             potential = flow.potential_energy()
             if name in ("exchange", "remeshing"):
                 kinetic = flow.kinetic_energy()
         self.energy[name] += kinetic + potential - self.kinetic - self.potential
-        self.kinetic, self.potential, self.counted = kinetic, potential, ref(flow.particles)
+        self.kinetic, self.potential, self._counted = kinetic, potential, ref(flow.particles)
 
     def open(self) -> None:
-        """With the flow as it is now: at the start of a run, and where it goes on."""
+        """Begins with the energy of the flow as it is now: at the start of a run, and where it goes on."""
         self.kinetic, self.potential = self.flow.kinetic_energy(), self.flow.potential_energy()
-        self.on_grid = False
-
-    def go_on(self) -> None:
-        """With the sums of a run that goes on."""
-        self.open()
-        self._gave = self.source_work + self.open_work + self.energy["exchange"]
+        self._on_grid = False
 
     def close(self) -> None:
-        """At the end of a step: to move with the same u_d to another porosity is to change V/n and C_r/n.
+        """Ends a step: what is left of the change is that of advection.
 
-        Both sums anew, in the order of the sorted particles: those that a resumed run starts from, to the last bit.
+        To move with the same u_d to another porosity is to change V/n and C_r/n. Both energies are summed anew, in the
+        order of the sorted particles: those that a resumed run starts from, to the last bit.
         """
         kinetic = self.kinetic
         self.open()
         self.energy["advection"] += self.kinetic - kinetic
-        gave = self.source_work + self.open_work + self.energy["exchange"]
+        gave = self._net()
         self.given += max(gave - self._gave, 0.0)
         self._gave = gave
 
+    def _net(self) -> float:
+        """What makers, moving walls and open sides gave since the start, less what they took."""
+        return self.source_work + self.open_work + self.energy["exchange"]
+
     @property
     def start(self) -> float:
-        """Kinetic and potential energy at the start of the run [m^d m2/s2]."""
+        """Kinetic and potential energy at the start of the run."""
         return self.kinetic + self.potential - sum(self.energy.values())
 
     @property
@@ -125,4 +143,24 @@ class Ledger:
         return (self.flow.particles.total_volume + self.outflow - held) / held if held > 0 else 0.0
 
     def note(self, **values: float) -> None:
+        """Puts numbers of this step in the place of those of the last one."""
         self.notes.update(values)
+
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
+
+    def state(self) -> dict[str, FloatArray]:
+        """Every sum since the start of the run, and the notes of the last step; not the seconds."""
+        return {
+            **{name: np.array(getattr(self, name)) for name in (*WORKS, "volume0", "given")},
+            **{f"energy.{name}": np.array(value) for name, value in self.energy.items()},
+            **{f"notes.{name}": np.array(float(value)) for name, value in self.notes.items()},
+        }
+
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
+        """Goes on with the sums of a state(); the flow must stand as it did then, arranged."""
+        for name in (*WORKS, "volume0", "given"):
+            setattr(self, name, float(state[name]))
+        for sums, kind in ((self.energy, "energy."), (self.notes, "notes.")):
+            sums.update({key.removeprefix(kind): float(state[key]) for key in state if key.startswith(kind)})
+        self.open()
+        self._gave = self._net()

@@ -7,6 +7,9 @@ remeshers.py.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -74,6 +77,16 @@ class Remeshing:
             if shares is not None:
                 crest.handed(new.position, new.volume, shares)
         flow.particles = new
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """When the last remeshing was, and how far water has moved since on each axis."""
+        ways = {f"travelled.{axis}": way for axis, way in enumerate(self.travelled)}
+        return {"count": np.array(self.count), **ways}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from a state()."""
+        self.count = int(state["count"])
+        self.travelled = [np.array(state[key]) for key in sorted(state) if key.startswith("travelled.")]
 
     def _go_on(self, flow: Flow, dt: float) -> float:
         """Adds a step to `travelled`; returns how far water is from where it was, the largest of all faces [cells]."""

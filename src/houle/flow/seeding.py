@@ -1,16 +1,17 @@
-"""The first particles: the water of the case, at rest, one particle for each half cell that holds some of it.
+"""Seeding: the first particles of a run, at rest, one for each half cell that holds some of the water.
 
 A particle carries exactly the water of its half cell (area of the water shapes, without solids, times porosity) and
-lies at the centroid of that water. So volume, mean level and centre of gravity are those of the case, wherever its
-levels and interfaces lie. The tent function is linear along each axis of a half cell: the fill fraction of a submerged
-cell is 1 to round-off beside porous interfaces along the axes. Beside sloping ones and at corners the term in x z is
-left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid. Water round the corner of a solid may have its
-centroid in the solid: it gets two particles with that centre of volume, one on each side of the corner.
+lies at the centroid of that water. So volume, mean level and centre of gravity are those of the water that was asked
+for, wherever levels and interfaces lie. The tent function is linear along each axis of a half cell: beside porous
+interfaces along the axes the fill fraction of a submerged cell is 1 to round-off. Beside sloping ones and at corners
+the term in x z is left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid. Water round the corner of
+a solid may have its centroid in the solid: it gets two particles with that centre of volume, one on each side of the
+corner.
 
 Beside upright interfaces that run through the whole height water lies as flow leaves it, with the porosity of particles
 (`Settled`): some of it, in all half cells of a row alike, is across the interface.
 
-Some columns of half cells at a time, so that the half cells need no more memory than the particles.
+Some columns of half cells are done at a time, so that the half cells need no more memory than the particles.
 """
 
 from __future__ import annotations
@@ -33,24 +34,24 @@ from houle.medium.sections import partition, section
 from houle.medium.shapes import Box, Shape, Span
 from houle.medium.solids import Outline
 
-SLIVER = 0.25  # of the pore volume of a half cell: less water joins the particle beside it
-NARROW = 0.1  # of a half cell: less pore volume than this counts as this much
-SLAB = 1 << 17  # half cells at a time, about
+SLIVER = 0.25  # share of the pores of a half cell: less water than this joins the particle beside it
+NARROW = 0.1  # share of a half cell: less pore volume than this counts as this much
+SLAB = 1 << 17  # half cells that are done at a time, about
 LEVERS = (1.0, 1.5, 2.0, 3.0, 4.0)  # ratios of the distances of two particles from their common centre
 BESIDE = 3  # columns beside a slab that decide what it is given: by slivers, a neighbour's neighbour, and `Settled`
-FITS = 100  # iterations of the fit, each leaves two thirds of what is left
-NEARLY = 1e-12  # porosities that differ less are the same
-ROUND_OFF = 1e-15  # of the water of a half cell
+FITS = 100  # iterations of the fit: each leaves two thirds of what is left
+NEARLY = 1e-12  # porosities that differ by less are the same
+ROUND_OFF = 1e-15  # share of the water of a half cell that is round-off
 
-Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume of these areas
+Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume in some areas of the section, per span
 
 
 def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
     """Particles at rest that hold all water inside the union of the shapes and outside the solids, 2 per axis and cell.
 
-    A half cell with less water than `SLIVER` of its pores gives it to the one below, or else to the fullest one beside
-    it or at its corners, with its first moment; where there is none (a film thinner than that) it keeps it.
-    Ordered as a raster, z fastest.
+    They are ordered as a raster, z fastest. A half cell with less water than `SLIVER` of its pores gives it to the one
+    below, or else to the fullest one beside it or at its corners, with its first moment; where there is none (a film
+    thinner than that) it keeps its water.
     """
     return Particles.together(list(seed_slabs(grid, medium, water)))
 
@@ -78,19 +79,18 @@ def seed_slabs(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Iterator[P
 
 @dataclass(frozen=True)
 class Settled:
-    """Water that lies as flow leaves it beside upright interfaces through the whole height of a tank without solids or
-    gates.
+    """How water lies, after flow, beside upright interfaces that run through the whole height of a tank.
 
-    Water that moves with u_d / n, n the continuous porosity of particles, comes to lie with that n, which fills the
-    same tents as the structure does but is another within some cells of an interface (decision 0010). Water that lay
+    Water that moves with u_d / n, where n is the continuous porosity of particles, comes to lie with that n: it fills
+    the same tents as the structure does but differs within some cells of an interface (decision 0010). Water that lay
     as the structure holds it, and moved so, carried up to a fifth too much or too little: the level beside the face of
     a block, n = 0.45, changed by a third of the way that the water went, and rose by 2.9 mm where 3.4 were due.
 
-    axis      along which the porosity varies
-    flux      (2 n + 1,) what crosses the ends of the half cells on the way from the one to the other, in half cells of
-              clear water
-    stir      (2 n,) by which the first moment of a half cell changes besides, in half cells
-    pores     (n,) of the columns as `column_heights` sums them over such water
+    axis   along which the porosity varies
+    flux   (2 n + 1,) water that crosses the ends of the half cells on the way from how the structure holds it to how it
+           settles, in half cells of clear water
+    stir   (2 n,) by which the first moment of the water of a half cell changes besides, in half cells
+    pores  (n,) porosity of the columns as `column_heights` sums the water in them
     """
 
     axis: int
@@ -100,7 +100,11 @@ class Settled:
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Settled | None:
-        """None where an interface is oblique, a solid stands, or the porosity of particles had to be kept from 0."""
+        """How water settles in a tank; None where it lies as the structure holds it.
+
+        That is where an interface is oblique, a solid or a gate stands, or the porosity of particles had to be kept
+        from 0.
+        """
         axis = _only_axis(grid, medium)
         if axis is None:
             return None
@@ -112,20 +116,16 @@ class Settled:
 
     @classmethod
     def _fit(cls, axis: int, held: FloatArray, moment: FloatArray) -> Settled | None:
-        """held, moment: of the half cells of a line (2 n,), in half cells, of the structure."""
+        """From what the structure holds in the half cells of a line, and its first moments (2 n,), in half cells.
+
+        The porosity of particles is linear between the centres of the cells: its values n there are those with which
+        the tents hold what the structure does.
+        """
         centre = np.arange(len(held)) + 0.5
-        offset = moment - held * centre
-        wide, apart = np.pad(held, 1, "edge"), np.concatenate([[-offset[0]], offset, [-offset[-1]]])
-        tent, count = np.zeros(len(held) // 2), len(held) // 2
-        for k, r in enumerate((-1.5, -0.5, 0.5, 1.5)):  # of the half cells in a tent, from its centre
-            tent += 0.5 * (1.0 - 0.5 * abs(r)) * wide[k::2][:count] - 0.25 * np.sign(r) * apart[k::2][:count]
-        n = 0.5 * (held[::2] + held[1::2])
-        for _ in range(FITS):
-            around = widened(n, 0, False)
-            n = n + tent - (around[:-2] + 4.0 * around[1:-1] + around[2:]) / 6.0
-        around = widened(n, 0, False)
-        cells = widened(0.5 * (held[::2] + held[1::2]), 0, False)
-        if np.any(n < LEAST * np.minimum(np.minimum(cells[:-2], cells[1:-1]), cells[2:])):
+        offset, cells = moment - held * centre, 0.5 * (held[::2] + held[1::2])
+        n = _same_tents(_tents(held, offset), cells)
+        around, beside = widened(n, 0, False), widened(cells, 0, False)
+        if np.any(n < LEAST * np.minimum(np.minimum(beside[:-2], beside[1:-1]), beside[2:])):
             return None
         halves = np.stack([0.75 * n + 0.25 * around[:-2], 0.75 * n + 0.25 * around[2:]], axis=1).ravel()
         lean = np.stack([n - around[:-2], around[2:] - n], axis=1).ravel() / 24.0
@@ -141,31 +141,34 @@ class Settled:
     ) -> None:
         """Settles the water of a slab that begins at half cell `first` along x, in place.
 
-        wet, centre: the space that it fills, and its first moments, in the same units.
+        volume, moment  water of the half cells and its first moments about the origin, in half cells
+        wet, centre     the space that it fills, and its first moments, in the same units
         """
-        a = self.axis
+        a, count = self.axis, wet.shape[self.axis]
         begin = first if a == 0 else 0
-        count = wet.shape[a]
-        shape = [-1 if b == a else 1 for b in range(wet.ndim)]
+        along = [-1 if b == a else 1 for b in range(wet.ndim)]
         inner = np.arange(begin + 1, begin + count)  # the ends between two half cells of the slab
         left, right = (np.delete(wet, end, axis=a) for end in (-1, 0))
-        amount = self.flux[inner].reshape(shape) * np.minimum(left, right)
-        for b, field in enumerate([volume, *moment], -1):
-            carried = amount
+        amount = self.flux[inner].reshape(along) * np.minimum(left, right)
+        self._carry(amount, volume)
+        for b, field in enumerate(moment):
             if b == a:
-                carried = amount * inner.reshape(shape)
-            elif b >= 0:
+                self._carry(amount * inner.reshape(along), field)
+            else:
                 at = np.divide(centre[b], wet, out=np.zeros_like(wet), where=wet > 0.0)
-                carried = amount * np.where(amount > 0.0, np.delete(at, -1, axis=a), np.delete(at, 0, axis=a))
-            carried = np.pad(carried, [(1, 1) if c == a else (0, 0) for c in range(wet.ndim)])
-            field -= np.diff(carried, axis=a)
+                self._carry(amount * np.where(amount > 0.0, np.delete(at, -1, axis=a), np.delete(at, 0, axis=a)), field)
         ends = [np.take(wet, at, axis=a) for at in (0, count - 1)]  # behind a wall, too, as much of it is water
         low, high = (np.insert(f, at, end, axis=a) for f, at, end in ((left, 0, ends[0]), (right, count - 1, ends[1])))
-        moment[a] += self.stir[begin : begin + count].reshape(shape) * np.minimum(np.minimum(low, high), wet)
+        moment[a] += self.stir[begin : begin + count].reshape(along) * np.minimum(np.minimum(low, high), wet)
+
+    def _carry(self, amount: FloatArray, field: FloatArray) -> None:
+        """Takes what crosses the inner ends of the half cells from those before them to those behind, in place."""
+        outer = [(1, 1) if b == self.axis else (0, 0) for b in range(field.ndim)]
+        field -= np.diff(np.pad(amount, outer), axis=self.axis)
 
 
 def column_pores(grid: Grid, medium: Medium) -> FloatArray:
-    """Porosity of the columns that hold one, (nx, [ny]): as `column_heights` sums the water in them."""
+    """Porosity of the columns of cells that have one, (nx, [ny]) [-]: that with which `column_heights` sums water."""
     pores, settled = medium.porosity.min(axis=-1), Settled.of(grid, medium)
     if settled is None:
         return pores
@@ -174,7 +177,7 @@ def column_pores(grid: Grid, medium: Medium) -> FloatArray:
 
 
 def _only_axis(grid: Grid, medium: Medium) -> int | None:
-    """The horizontal axis along which alone the porosity varies, all interfaces across it; None: there is no such."""
+    """The horizontal axis along which alone the porosity varies, all interfaces across it; None if there is none."""
     if medium.solids or medium.interfaces is None or not medium.settles:
         return None
     n, d = medium.porosity, grid.dimension
@@ -185,8 +188,28 @@ def _only_axis(grid: Grid, medium: Medium) -> int | None:
     return varies[0] if across.all() else None
 
 
+def _tents(held: FloatArray, offset: FloatArray) -> FloatArray:
+    """What the tents of the cells of a line hold, (n,), of half cells with volumes and first moments (2 n,)."""
+    wide, apart = np.pad(held, 1, "edge"), np.concatenate([[-offset[0]], offset, [-offset[-1]]])
+    tent, count = np.zeros(len(held) // 2), len(held) // 2
+    for k, r in enumerate((-1.5, -0.5, 0.5, 1.5)):  # middles of the half cells in a tent, from its centre
+        tent += 0.5 * (1.0 - 0.5 * abs(r)) * wide[k::2][:count] - 0.25 * np.sign(r) * apart[k::2][:count]
+    return tent
+
+
+def _same_tents(tent: FloatArray, n: FloatArray) -> FloatArray:
+    """Values (n,) at the centres of cells between which a linear function fills the tents so; n: first guess."""
+    for _ in range(FITS):
+        around = widened(n, 0, False)
+        n = n + tent - (around[:-2] + 4.0 * around[1:-1] + around[2:]) / 6.0
+    return n
+
+
 def _spline_pores(held: FloatArray, lean: FloatArray) -> FloatArray:
-    """Water of columns (n,) by quadratic B-splines over particles of these volumes and moments about half cells."""
+    """Water of the columns of a line (n,), by quadratic B-splines over the particles of its half cells.
+
+    held, lean: their volumes and first moments about the middles of the half cells (2 n,), in half cells.
+    """
     place = lean / held
     wide = np.pad(held, 2, "symmetric")
     away = np.concatenate([-place[1::-1], place, -place[:-3:-1]])
@@ -203,8 +226,8 @@ def _beside_corners(
 ) -> tuple[FloatArray, FloatArray]:
     """Positions [m] and volumes with two particles for each one that lies in a solid: their centre is where it lay.
 
-    Both lie in its half cell, over which the tents are linear, at the ends of the shortest of some lines through it.
-    Where there is no such line the particle takes the nearest way out.
+    Both lie in its half cell, over which the tents are linear, at the ends of the shortest of some lines through it
+    (`_pairs_of_ways`). Where there is no such line the particle takes the nearest way out.
     """
     outside = position.copy()
     _core.leave_solids(grid.core, outline, outside)
@@ -212,9 +235,7 @@ def _beside_corners(
     if len(inside) == 0:
         return position, volume
     half, d = np.array(grid.spacing) / 2, grid.dimension
-    ways = [np.array(w) * half * k / 16 for k in range(1, 17) for w in product((-1, 0, 1), repeat=d) if any(w)]
-    pairs = np.array([(way, -lever * way) for lever in LEVERS for way in ways])
-    pairs = pairs[np.argsort(np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=-1), kind="stable")]
+    pairs = _pairs_of_ways(half)
     beside, shares = [np.empty((0, d))], [np.empty(0)]
     for p in inside:
         ends = (position[p] + pairs).reshape(-1, d)
@@ -232,8 +253,16 @@ def _beside_corners(
     return np.concatenate([outside, *beside]), np.concatenate([volume, *shares])
 
 
+def _pairs_of_ways(half: FloatArray) -> FloatArray:
+    """Ways (K, 2, d) [m] from a place to two others in line with it, the nearest pairs first. half: of a cell, (d,)."""
+    d = len(half)
+    ways = [np.array(w) * half * k / 16 for k in range(1, 17) for w in product((-1, 0, 1), repeat=d) if any(w)]
+    pairs = np.array([(way, -lever * way) for lever in LEVERS for way in ways])
+    return pairs[np.argsort(np.linalg.norm(pairs[:, 0] - pairs[:, 1], axis=-1), kind="stable")]
+
+
 def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]:
-    """All the water as if in clear space, and what the porous bodies take from it."""
+    """The regions of the tank that hold water: all of it as if in clear space, less what the porous bodies take."""
     parts = partition(grid, medium.bodies, medium.solids, also=water)
     wet = [section(grid, water, span) for span, _, _ in parts]
     regions = [(1.0, [(s, w.difference(solid)) for (s, solid, _), w in zip(parts, wet, strict=True)])]
@@ -244,7 +273,10 @@ def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]
 
 
 def _water(grid: Grid, regions: Sequence[Region], columns: tuple[int, int]) -> tuple[FloatArray, list[FloatArray]]:
-    """Water of each half cell of these columns and its first moments about the origin, in units of half cells."""
+    """Water of each half cell of some columns, from one to before another, and its first moments about the origin.
+
+    All in units of half cells.
+    """
     share = [(weight, Measure.of(grid, areas, columns)) for weight, areas in regions]
 
     def total(powers: tuple[int, ...]) -> FloatArray:
@@ -261,7 +293,7 @@ def _water(grid: Grid, regions: Sequence[Region], columns: tuple[int, int]) -> t
 
 
 def _pores(medium: Medium, columns: slice) -> FloatArray:
-    """Pore volume of each half cell of these columns, in units of half cells."""
+    """Pore volume of each half cell of some columns, in units of half cells."""
     everywhere = np.full(len(medium.bodies) + 2, 1.0)
     everywhere[1:-1] = [body.porosity for body in medium.bodies]
     everywhere[-1] = 0.0
@@ -269,7 +301,7 @@ def _pores(medium: Medium, columns: slice) -> FloatArray:
 
 
 def _merge_slivers(volume: FloatArray, moment: list[FloatArray], pores: FloatArray) -> None:
-    """Moves the water of nearly empty half cells to a neighbour, with its moments, in place."""
+    """Moves the water of nearly empty half cells to a neighbour, with its first moments, in place."""
     sliver = (volume > 0) & (volume < SLIVER * np.maximum(pores, NARROW))
     source = np.argwhere(sliver)
     if len(source) == 0:
@@ -283,9 +315,10 @@ def _merge_slivers(volume: FloatArray, moment: list[FloatArray], pores: FloatArr
 
 
 def _receivers(source: NDArray[np.intp], amount: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """For each half cell (S, d) the neighbour (S, d) that takes its water, and whether there is one.
+    """The neighbour (S, d) that takes the water of each half cell (S, d), and whether there is one (S,).
 
-    The one below if it holds any amount, else the fullest of those beside it, else the fullest of those at its corners.
+    It is the one below if that holds any amount, else the fullest of those beside it, else the fullest of those at its
+    corners.
     """
     steps = np.array(sorted(product((-1, 0, 1), repeat=amount.ndim), key=lambda s: (np.abs(s).sum(), *s[::-1]))[1:])
     beside = source[:, None] + steps  # the first step is down, then come the other sides, then the corners

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
 
@@ -36,7 +36,7 @@ from houle.observe import Profile, at_points
 from houle.observe.held import water_held
 from houle.waves.wave import Wave
 
-GRID_STATE = ("pressure", "psi", "face_velocity", "remesh_travelled", "open_shear")  # state() on cells and faces
+GRID_STATE = ("pressure", "psi", "face_velocity", "remeshing.travelled", "open_shear")  # state() on cells and faces
 
 
 class Simulation:
@@ -299,22 +299,17 @@ class Simulation:
 
     def state(self) -> dict[str, FloatArray]:
         """Everything the next step depends on."""
-        flow, ledger = self.flow, self.ledger
+        flow = self.flow
         return {
             "time": np.array(self.time),
             "steps": np.array(self.steps),
-            "remesh_count": np.array(self.step.remeshing.count),
-            **{f"remesh_travelled.{a}": way for a, way in enumerate(self.step.remeshing.travelled)},
             "step_size": np.array(self.step_size),
+            **_under("remeshing", self.step.remeshing.state()),
+            **_under("ledger", self.ledger.state()),
             **self.particles.state(),
             "pressure": flow.pressure,
             "psi": flow.psi,
-            "volume0": np.array(ledger.volume0),
-            "given": np.array(ledger.given),
-            **{name: np.array(getattr(ledger, name)) for name in WORKS},
             **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
-            **{f"energy.{k}": np.array(v) for k, v in ledger.energy.items()},
-            **{f"notes.{k}": np.array(float(v)) for k, v in ledger.notes.items()},
             **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
             **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},
             **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
@@ -329,26 +324,14 @@ class Simulation:
             del self.flow, self.medium, self.step, self.observers, self.ledger.flow  # first, for the memory
             self._build(rows)
             self.ledger.flow = self.flow
-        flow, ledger = self.flow, self.ledger
+        flow = self.flow
         self.time, self.steps = float(state["time"]), int(state["steps"])
         self.step_size = float(state["step_size"])
-        self.step.remeshing.count = int(state["remesh_count"])
-        ways = [f"remesh_travelled.{a}" for a in range(self.grid.dimension)]
-        self.step.remeshing.travelled = [np.array(state[way]) for way in ways if way in state]
+        self.step.remeshing.restore(_part(state, "remeshing"))
         flow.particles.restore(state)
         flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
         for a, u in enumerate(flow.velocity):
             u[...] = state[f"face_velocity.{a}"]
-        ledger.volume0 = float(state["volume0"])
-        ledger.given = float(state["given"])
-        for name in WORKS:
-            setattr(ledger, name, float(state[name]))
-        for key, value in state.items():
-            kind, _, name = key.partition(".")
-            if kind == "energy":
-                ledger.energy[name] = float(value)
-            elif kind == "notes":
-                ledger.notes[name] = float(value)
         for i, side in enumerate(flow.sides):
             side.state = state[f"open.{i}"]
             side.shear = np.array(state[f"open_shear.{i}"])
@@ -360,7 +343,17 @@ class Simulation:
             place(flow)
         self._place_gates()
         arrange(flow)
-        ledger.go_on()
+        self.ledger.restore(_part(state, "ledger"))
+
+
+def _under(name: str, state: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """The state of a component by the names that it has in that of the simulation."""
+    return {f"{name}.{key}": values for key, values in state.items()}
+
+
+def _part(state: Mapping[str, FloatArray], name: str) -> dict[str, FloatArray]:
+    """The state of a component, by its own names, out of that of the simulation."""
+    return {key.removeprefix(f"{name}."): values for key, values in state.items() if key.startswith(f"{name}.")}
 
 
 def _set_off(water: Iterable[Water], particles: Particles) -> None:

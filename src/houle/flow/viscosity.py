@@ -1,4 +1,4 @@
-"""Viscous forces between particles, after the paper's eq. (3), with molecular and eddy viscosity; the longest step.
+"""Viscosity: the viscous acceleration between particles, eq. (3) of the paper, and the longest step that it allows.
 
     a_i = K sum_j nu_ij ((u_j - u_i) . r / |r|^2) grad_i W(x_i - x_j) B_j,    K = 2 (d + 2),  B = V/n
 
@@ -26,18 +26,20 @@ from numpy.typing import NDArray
 from houle import _core
 from houle.grid import FloatArray, Grid
 
-# integral of -W'(r)/r, times radius^2: what the diagonal of the viscous operator is made of
-KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}
-REACH = 2.0  # of the sums between particles, in grid spacings
+KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}  # integral of -W'(r)/r, times radius^2: `time_step_limit`
+REACH = 2.0  # grid spacings within which the sums between particles see neighbours
 
 
 def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bool) -> float:
-    """Stable explicit step [s] with this viscosity [m2/s], on the faces of the grid or between particles; inf without.
+    """Longest stable step [s] of the explicit viscous term with a viscosity [m2/s]; inf without viscosity.
 
-    On faces nu lap(u) has eigenvalues up to 4 nu sum 1/h^2, and twice that is allowed for; a no-slip wall, if there is
-    one (`held`), takes the velocity of a sheet of thickness s at the rate 2 nu / s^2. The law of the wall asks for no
-    shorter steps than the Courant limit: the share v_*^2 / v^2 h / s that it takes in one stays below 3 %.
-    Eddies do not count: theirs is a share C_s^2 dt |S| of it, below a tenth at the steps that the Courant limit allows.
+    between_particles  whether the term is a sum over particles, or one on the faces of the grid
+    held               whether the tank has a no-slip wall
+
+    On faces nu lap(u) has eigenvalues up to 4 nu sum 1/h^2, and twice that is allowed for; a no-slip wall takes the
+    velocity of a sheet of thickness s at the rate 2 nu / s^2. The law of the wall asks for no shorter steps than the
+    Courant limit: the share v_*^2 / v^2 h / s that it takes in one stays below 3 %. Eddies do not count: theirs is a
+    share C_s^2 dt |S| of it, below a tenth at the steps that the Courant limit allows.
     """
     if between_particles:
         return Smoothing(grid, (), REACH * max(grid.spacing)).time_step_limit(viscosity)
@@ -49,12 +51,16 @@ def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bo
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Sums over neighbours with one kernel. Particles must be sorted by cell: cell_start (cells + 1,) int32, C order.
+    """Sums over the neighbours of each particle, weighted with a kernel.
 
-    walls: "slip" or "no-slip" for the lower and the upper side of each axis in turn (ignored on periodic axes).
-    radius: of the kernel's support [m]. For particles on the lattice the sums fall short of the integrals: with 2 grid
-    spacings the density sum by 0.1 % and the viscous term by 4 % (2D; 2 % in 3D), with 3 by 0.02 % and 1 % (0.3 %).
-    bulk (N,): V/n [m^d] at the particles.
+    walls   "slip" or "no-slip" for the lower and the upper side of each axis in turn (ignored on periodic axes)
+    radius  of the support of the kernel [m]
+    kernel  "wendland" or "gaussian"
+
+    Every method takes particles that are sorted by cell: position (N, d) [m]; cell_start (cells + 1,) int32, number of
+    the first particle of each cell, cells in C order; bulk (N,), their V/n [m^d]. For particles on the lattice the sums
+    fall short of the integrals: with a radius of 2 grid spacings the density sum by 0.1 % and the viscous term by 4 %
+    (2D; 2 % in 3D), with 3 by 0.02 % and 1 % (0.3 %).
     """
 
     grid: Grid
@@ -63,9 +69,9 @@ class Smoothing:
     kernel: str = "wendland"
 
     def density_sum(self, position: FloatArray, cell_start: NDArray[np.int32], bulk: FloatArray) -> FloatArray:
-        """(N,) sum_j B_j W(x_i - x_j) [-]: the paper's eq. (14) over n rho.
+        """Share of space that the water fills around each particle, sum_j B_j W(x_i - x_j), (N,) [-].
 
-        1 in full water, up to the walls; about 1/2 at a flat free surface.
+        It is the paper's eq. (14) over n rho: 1 in full water, up to the walls; about 1/2 at a flat free surface.
         """
         out = np.empty(len(position))
         near = (self.grid.core, self.walls, self.kernel, self.radius, position, _as_core(cell_start))
@@ -75,7 +81,10 @@ class Smoothing:
     def velocity_gradient(
         self, position: FloatArray, cell_start: NDArray[np.int32], velocity: FloatArray, bulk: FloatArray
     ) -> FloatArray:
-        """(N, d, d) du_a/dx_b [1/s], exact for linear fields, at the surface too; zero where neighbours are too few."""
+        """Gradient of a velocity (N, d) [m/s] at the particles, du_a/dx_b, (N, d, d) [1/s].
+
+        It is exact for linear fields, at the surface too, and zero where neighbours are too few.
+        """
         d = self.grid.dimension
         out = np.empty((len(position), d, d))
         near = (self.grid.core, self.kernel, self.radius, position, _as_core(cell_start))
@@ -90,7 +99,10 @@ class Smoothing:
         bulk: FloatArray,
         smagorinsky: float,
     ) -> FloatArray:
-        """(N,) nu_t = (C_s dx)^2 |S| [m2/s], |S| = sqrt(2 S:S), dx the geometric mean grid spacing."""
+        """Eddy viscosity of Smagorinsky (1963) at the particles, (C_s dx)^2 |S|, (N,) [m2/s].
+
+        |S| = sqrt(2 S:S), dx is the geometric mean of the grid spacings; smagorinsky: C_s [-].
+        """
         gradient = self.velocity_gradient(position, cell_start, velocity, bulk)
         strain = 0.5 * (gradient + np.swapaxes(gradient, 1, 2))
         length = smagorinsky * self.grid.cell_volume ** (1 / self.grid.dimension)
@@ -104,7 +116,10 @@ class Smoothing:
         bulk: FloatArray,
         viscosity: FloatArray | float,
     ) -> FloatArray:
-        """(N, d) [m/s2]. velocity: the pore velocity u_d/n for eq. (13); viscosity: (N,) or a number [m2/s]."""
+        """Viscous acceleration of the particles, eq. (3), (N, d) [m/s2].
+
+        velocity: the pore velocity u_d/n for eq. (13), (N, d) [m/s]; viscosity: (N,) or a number [m2/s].
+        """
         out = np.empty_like(position)
         nu = np.full(len(position), viscosity) if np.isscalar(viscosity) else viscosity
         near = (self.grid.core, self.walls, self.kernel, self.radius, position, _as_core(cell_start))
@@ -112,10 +127,10 @@ class Smoothing:
         return out
 
     def time_step_limit(self, viscosity: float) -> float:
-        """Stable explicit step [s] for the largest viscosity [m2/s] in full water: 2 over a bound of the spectrum.
+        """Longest stable explicit step [s] with the largest viscosity [m2/s] in full water; inf without viscosity.
 
-        By Gershgorin, eigenvalues are at most twice the diagonal, which is K nu / d times the integral of -W'(r)/r. For
-        the Wendland kernel radius^2 / (56 nu) in 2D. Infinite without viscosity.
+        It is 2 over a bound of the spectrum: by Gershgorin, eigenvalues are at most twice the diagonal, which is K nu/d
+        times the integral of -W'(r)/r. For the Wendland kernel in 2D that makes radius^2 / (56 nu).
         """
         d = self.grid.dimension
         spectrum = 2 * 2 * (d + 2) / d * KERNEL_STIFFNESS[self.kernel] * viscosity / self.radius**2
@@ -123,5 +138,5 @@ class Smoothing:
 
 
 def _as_core(cell_start: NDArray) -> NDArray[np.int32]:
-    """As the core numbers particles; nothing is copied if it is that already."""
+    """The first particles of the cells in the type of the core; nothing is copied if they have it already."""
     return np.ascontiguousarray(cell_start, np.int32)
