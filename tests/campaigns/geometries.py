@@ -31,7 +31,7 @@ TOLERANCE = 0.01  # of the energy to be had
 
 
 class Outcome(NamedTuple):
-    """Result of a case: most, the largest ratio of kinetic energy to what there was; failure, empty if all went well."""
+    """Result of a case: most, the largest ratio of kinetic energy to what there was; failure, empty where none."""
 
     case: dict[str, Any]
     steps: int
