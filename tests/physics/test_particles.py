@@ -89,6 +89,25 @@ def test_it_is_saved_and_a_run_that_goes_on_has_the_same_to_the_last_bit(salted,
         assert again.particles[name].tobytes() == whole.particles[name].tobytes()
 
 
+def test_it_stays_when_the_flow_gets_more_rows_of_cells(salted):
+    """Water that shoots up a wall: the flow is built anew on a higher grid, of the same particles."""
+    case = {**DAM_BREAK, "domain": {"size": [0.4, 0.9], "spacing": 0.02}, "water": [{"box": [[0.0, 0.0], [0.2, 0.3]]}]}
+    sim = salted({**case, "porous": [], "fluid": {"gravity": 30.0}})
+    salt, rows = amount(sim), sim.flow.grid.shape[-1]
+    while sim.flow.grid.shape[-1] == rows:
+        run(sim, 1)
+        assert sim.time < 1.0
+    assert amount(sim) == pytest.approx(salt, rel=1e-13)
+
+
+@pytest.mark.parametrize("case", [DAM_BREAK, RIVER])
+def test_what_is_read_from_the_medium_is_known_at_every_particle(salted, case):
+    """After steps with remeshing and exchange: bulk volume V/n and inertia where there are pores, no others."""
+    p = run(salted(case), 12).particles
+    assert sorted(p.of_kind("place")) == (["bulk", "inertia"] if "porous" in case else [])
+    assert all(np.isfinite(p[name]).all() and len(p[name]) == len(p) for name in p.declared)
+
+
 # ---- the columns themselves ------------------------------------------------------------------------------------------
 
 
