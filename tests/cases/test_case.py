@@ -11,8 +11,8 @@ import pytest
 
 from houle.case.model import Case, load, schema
 from houle.case.reading import find, parse_override, shipped
-from houle.case.tables.control import SCHEMES
 from houle.errors import CaseError
+from houle.flow.schemes import SCHEMES
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -65,9 +65,9 @@ def test_a_case_cannot_be_changed():
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_scheme_sets_its_keys_and_single_keys_override(scheme):
     numerics = dam(numerics__scheme=scheme).numerics
-    assert {k: getattr(numerics, k) for k in SCHEMES[scheme]} == SCHEMES[scheme]
+    assert {k: getattr(numerics, k) for k in SCHEMES[scheme].takes} == SCHEMES[scheme].takes
     changed = dam(numerics__scheme=scheme, numerics__transfer="apic", numerics__remesh_every=7).numerics
-    assert (changed.transfer, changed.remesh_every, changed.kernel) == ("apic", 7, SCHEMES[scheme]["kernel"])
+    assert (changed.transfer, changed.remesh_every, changed.kernel) == ("apic", 7, SCHEMES[scheme].takes["kernel"])
 
 
 def test_the_default_scheme_is_houle():

@@ -111,7 +111,7 @@ def test_every_law_resists_more_with_smaller_pores_and_finer_grains(law, n, d):
 def test_clear_water_does_not_resist_and_every_law_says_where_it_is_from(law):
     assert LAWS[law](1.0, 0.01, NU) == (0.0, 0.0)
     assert "READ" in LAWS[law].status or "RECALLED" in LAWS[law].status
-    assert ("(" in LAWS[law].source and "a =" in LAWS[law].words) or "K_p =" in LAWS[law].words
+    assert ("(" in LAWS[law].source and "a =" in LAWS[law].what) or "K_p =" in LAWS[law].what
 
 
 @given(k=st.floats(1e-10, 1e-4), c=st.floats(0.01, 5.0))

@@ -7,24 +7,20 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
-from typing import get_args
 
 import jsonschema
 import pytest
 from typer.testing import CliRunner
 
 import houle
-from houle.case.describe import KERNELS, TOPICS
-from houle.case.describe import SCHEMES as WORDS
+from houle.case.describe import TOPICS
 from houle.case.model import load
 from houle.case.reading import shipped
-from houle.case.tables.control import SCHEMES, Numerics
 from houle.check.rules import require
 from houle.cli import app
 from houle.errors import CaseError, SimulationError
-from houle.flow.remeshers import REMESHERS
-from houle.flow.transfer import TRANSFERS
 from houle.medium.resistance import LAWS
+from houle.registry import TABLES, choices
 
 
 @pytest.fixture
@@ -228,11 +224,18 @@ def test_every_topic_is_described(here, topic):
 
 
 def test_every_choice_of_the_case_file_is_described(here):
-    choices = {name: set(get_args(field.annotation)) for name, field in Numerics.model_fields.items()}
-    assert set(TRANSFERS) == choices["transfer"]
-    assert set(KERNELS) == choices["kernel"]
-    assert set(REMESHERS) == choices["remesh"]
-    assert set(WORDS) == set(SCHEMES) == choices["scheme"]
+    """With what it is and where it comes from, under its topic, and as a value in the schema of the case file."""
+    topics = {
+        "law": "resistance", "theory": "theories", "waves": "theories", "scheme": "numerics", "transfer": "transfers",
+        "kernel": "kernels", "remesh": "remeshing",
+    }  # fmt: skip
+    assert topics.keys() == TABLES.keys()
+    schema = houle_says("describe", "schema")[1]
+    for kind, topic in topics.items():
+        words = houle_says("describe", topic)[1]
+        for name, row in choices(kind).items():
+            assert row.name == name and row.what and row.source
+            assert name in words and f'"{name}"' in schema, name
     words = houle_says("describe", "resistance")[1]
     assert all(law in words for law in LAWS) and "RECALLED" in words
     assert "key of [numerics]" in houle_says("describe", "numerics")[1]

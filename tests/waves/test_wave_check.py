@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from houle.check.wave_theory import assess
 from houle.waves import limits
-from houle.waves.check import assess
 from houle.waves.cnoidal import cnoidal, solitary
 from houle.waves.linear import airy
 from houle.waves.record import series

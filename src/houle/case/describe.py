@@ -1,8 +1,6 @@
 """What `houle describe TOPIC` prints: every choice the case file offers, in words, with its source.
 
-The texts are rows of tables, name -> (what it is, where it comes from); the numbers stand where they are used (SCHEMES
-in tables/control.py, LAWS in medium/resistance.py, FIELDS in fields.py). A test checks that every choice of the case
-file has its row.
+The words of a choice stand in its row (`houle.registry`), those of a quantity in `houle.fields`.
 """
 
 from __future__ import annotations
@@ -15,49 +13,10 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from houle.registry import choices
+
 Rows = Mapping[str, tuple[str, str]]
 
-PAPER = "Ramos Ortega, Beaudoin & Huberson (2020), 17emes Journees de l'Hydrodynamique (JH2020)"
-
-SCHEMES: Rows = {
-    "houle": (
-        "Particles carry the Darcy velocity and a water volume; the grid solves the pressure with p = 0 on the true "
-        "surface inside the cells. The drag is implicit inside the projection, the change of porosity acts as a force "
-        "on the faces, particles move with the pore velocity u_d/n. Transfer by the full mass matrix (fmpm) with the "
-        "linear kernel, positions corrected towards uniform volume, remeshing that conserves volume and momentum.",
-        "docs/theory.md and docs/decisions",
-    ),
-    "jh2020": (
-        "The combination of the founding paper: second-order Taylor Gaussian as kernel with particles of size "
-        "dx/n^(1/d), pressure gradient added to the particles' own velocity, M'4 remeshing as in (6)-(7) every 200 "
-        "steps, time stepping (12)-(17), with the "
-        "corrections without which it does not hold (pore velocity in (12), (17); powers of n in (13); tensor product "
-        "in (7)). Kept to quantify its defect at the free surface, not for work.",
-        PAPER,
-    ),
-}
-KERNELS: Rows = {
-    "linear": ("Tent over two nodes per axis.", "Harlow's cloud in cell; Brackbill & Ruppel (1986)"),
-    "quadratic": (
-        "Quadratic B-spline over three nodes per axis, smooth first derivative.",
-        "Steffen, Kirby & Berzins (2008)",
-    ),
-    "m4prime": (
-        "Monaghan's M'4 as a tensor product over four nodes per axis: third order, has negative lobes.",
-        "Monaghan (1985), J. Comput. Phys. 60; Cottet & Koumoutsakos (2000)",
-    ),
-    "gaussian": ("Gaussian at the particle's centre.", f"{PAPER}, (8)"),
-    "gaussian-taylor2": (
-        "Gaussian with the second moments of the particle's own square, of side dx/n^(1/d), by a Taylor series; one "
-        "wider than 1.7 cells counts as one of 1.7, beyond which the series has negative weights.",
-        f"{PAPER}, (8)-(11); after Beaudoin, Huberson & Rivoalen (2003)",
-    ),
-    "gaussian-cell": (
-        "Gaussian integrated exactly over the particle's own square: a difference of error functions per axis, what "
-        "the Taylor series approaches.",
-        "docs/theory.md",
-    ),
-}
 OTHERS: Rows = {
     "correction": (
         "Second pressure solve that moves particles towards the volume of their cells; the share of the error removed "
@@ -83,35 +42,27 @@ p + rho u^2/2 is continuous, and water that enters a body without friction gains
 
 def resistance(console: Console) -> None:
     """The laws with their published coefficients and ranges."""
-    from houle.medium.resistance import LAWS
-
     console.print(RESISTANCE, highlight=False, soft_wrap=True, markup=False)
     table = _table("law", "formula and coefficients", "range measured", "source")
-    for name, law in LAWS.items():
+    for name, law in choices("law").items():
         values = ", ".join(f"{k} = {'steady' if v == inf else f'{v:g}'}" for k, v in law.coefficients.items())
-        spans = (
-            ("n", law.porosity, (0.0, 1.0)),
-            ("d", law.diameter, (0.0, inf)),
-            ("u_d d/nu", law.reynolds, (0.0, inf)),
-        )
-        measured = "\n".join(f"{w} {low:g}-{high:g}" for w, (low, high), all_of_it in spans if (low, high) != all_of_it)
-        what = "\n".join(t for t in (law.words, values, law.note) if t)
+        what = "\n".join(t for t in (law.what, values, law.note) if t)
+        measured = law.range.replace(", ", "\n")
         table.add_row(name, escape(what), measured or "-", escape(f"{law.source}\n{law.status}"))
     console.print(table)
 
 
 def numerics(console: Console) -> None:
     """The two schemes key by key, then every choice."""
-    from houle.case.tables.control import SCHEMES as VALUES
-
-    console.print(_rows("scheme", SCHEMES))
-    keys = list(VALUES["houle"])
-    table = _table(escape("key of [numerics]"), *(f'scheme = "{name}"' for name in VALUES), "meaning")
+    schemes = choices("scheme")
+    console.print(_table_of("scheme"))
+    keys = list(schemes["houle"].takes)
+    table = _table(escape("key of [numerics]"), *(f'scheme = "{name}"' for name in schemes), "meaning")
     meaning = {**dict.fromkeys(keys, ""), **{k: words for k, (words, _) in OTHERS.items()}}
     meaning |= {"transfer": "see `houle describe transfers`", "kernel": "see `houle describe kernels`"}
     meaning |= {"remesh": "see `houle describe remeshing`"}
     for key in keys:
-        table.add_row(key, *(str(values[key]) for values in VALUES.values()), meaning[key])
+        table.add_row(key, *(str(scheme.takes[key]) for scheme in schemes.values()), meaning[key])
     console.print(table)
     console.print(escape("A key given in [numerics] overrides the scheme's."), highlight=False)
     console.print(_rows("method", {k: row for k, row in OTHERS.items() if row[1] != "-"}))
@@ -136,19 +87,15 @@ def schema(console: Console) -> None:
 
 
 def transfers(console: Console) -> None:
-    from houle.flow.transfer import TRANSFERS
-
-    console.print(_rows("transfer", {name: (t.what, t.source) for name, t in TRANSFERS.items()}))
+    console.print(_table_of("transfer"))
 
 
 def kernels(console: Console) -> None:
-    console.print(_rows("kernel", KERNELS))
+    console.print(_table_of("kernel"))
 
 
 def remeshing(console: Console) -> None:
-    from houle.flow.remeshers import REMESHERS
-
-    console.print(_rows("remesh", {name: (r.what, r.source) for name, r in REMESHERS.items()}))
+    console.print(_table_of("remesh"))
 
 
 def _table(*columns: str) -> Table:
@@ -165,17 +112,18 @@ def _rows(key: str, rows: Rows) -> Table:
     return table
 
 
+def _table_of(kind: str) -> Table:
+    """The rows of a kind of choice: name, what it is, source."""
+    return _rows(kind, {name: (row.what, row.source) for name, row in choices(kind).items()})
+
+
 def theories(console: Console) -> None:
     """Wave theories and the waves that a case can have, with range and source."""
-    from houle.waves.theories import PASSPORTS
-
     table = _table("wave", "what it is", "where it holds", "source")
-    for name, p in PASSPORTS.items():
-        table.add_row(name, escape(p.what), escape(p.range), escape(p.source))
+    for name, row in (*choices("theory").items(), *choices("waves").items()):
+        table.add_row(name, escape(row.what), escape(row.range), escape(row.source))
     console.print(table)
-    words = (
-        "Down to solitary-5: values of theory in [waves]; below: kinds other than regular. Equations: docs/waves.md."
-    )
+    words = "Down to solitary-5: values of theory in [waves]; below: kinds of waves. Equations: docs/waves.md."
     console.print(escape(words), highlight=False)
 
 

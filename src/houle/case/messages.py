@@ -194,7 +194,7 @@ def _lines(error: Any, model: type[BaseModel], data: dict[str, Any]) -> list[str
         unit = _unit(field)
         return [f"{shown} is outside {_range(key, field, error['ctx'])}{unit}.{guess(key, value)}"]
     if kind == "literal_error":
-        allowed = [v for v in _literals(field.annotation if field else None) if v is not None]
+        allowed = _allowed_words(field)
         near = nearest(value, allowed) if isinstance(value, str) else ""
         return [f"{shown} is not one of {', '.join(show(v) for v in allowed)}.{near}"]
     if kind == "string_pattern_mismatch":
@@ -238,6 +238,14 @@ def _model(kind: Any) -> type[BaseModel] | None:
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return kind
     return next((m for arg in get_args(kind) if (m := _model(arg))), None)
+
+
+def _allowed_words(field: FieldInfo | None) -> list[str]:
+    """The words that a field can have: those of a Literal, or the names of a choice (`tables.base.OneOf`)."""
+    if field is None:
+        return []
+    named = next((entry.allowed for entry in field.metadata if hasattr(entry, "allowed")), None)
+    return named if named is not None else [v for v in _literals(field.annotation) if v is not None]
 
 
 def _literals(kind: Any) -> list[Any]:

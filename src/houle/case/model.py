@@ -20,7 +20,7 @@ from houle.case import messages
 from houle.case.consistency import PREFIXES, disagreements
 from houle.case.reading import find, override, plain, read_toml, to_toml
 from houle.case.tables.base import Table
-from houle.case.tables.control import SCHEMES, Numerics, Output, Time
+from houle.case.tables.control import Numerics, Output, Time
 from houle.case.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic, RunUp, Sensor
 from houle.case.tables.results import Reference, Reflection
 from houle.case.tables.sides import Open
@@ -28,6 +28,7 @@ from houle.case.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, 
 from houle.case.tables.waves import Waves
 from houle.case.wave import make
 from houle.errors import CaseError
+from houle.registry import choices
 from houle.waves.wave import Wave
 
 
@@ -160,7 +161,7 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
             return source
         path, data = source.path, source.to_dict()
         if "numerics.scheme" in overrides:  # what the old scheme had set does not stand in the way of the new one
-            old = SCHEMES[source.numerics.scheme]
+            old = choices("scheme")[source.numerics.scheme].takes
             data["numerics"] = {k: v for k, v in data["numerics"].items() if old.get(k) != v}
     elif isinstance(source, dict):
         path, data = None, plain(source)

@@ -8,10 +8,9 @@ from pathlib import Path
 from houle.case.tables.waves import Waves
 from houle.data.history import History, read_history
 from houle.waves import record, spectra, theories
-from houle.waves.cnoidal import solitary
 from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
-from houle.waves.wave import Wave, WaveError
+from houle.waves.wave import THEORIES, Wave, WaveError
 
 ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
 LEAST = 4  # samples of a record
@@ -41,12 +40,13 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
             current,
         )
     if table.kind == "solitary":
-        order = 3 if table.theory == "solitary-3" else 5
-        wave = moved(solitary(height, table.depth, gravity, 0.0, angle, order), current)
+        single = THEORIES["solitary-5" if table.theory == "auto" else table.theory].make
+        assert single is not None
+        wave = moved(single(height, table.depth, gravity, 0.0, angle), current)
         crest = table.place - ARRIVES * wave.length / 2
         if table.focus is not None:
             crest = table.focus.x - wave.celerity * table.focus.time
-        return moved(solitary(height, table.depth, gravity, crest, angle, order), current)
+        return moved(single(height, table.depth, gravity, crest, angle), current)
     if table.kind == "focused" and table.focus is not None:
         return spectra.focused(
             height,

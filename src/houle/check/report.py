@@ -26,10 +26,10 @@ from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
 from houle.check.picture import draw
 from houle.check.rules import require
 from houle.check.section import CrossSection
+from houle.check.wave_theory import assess
 from houle.check.waves import reach
 from houle.grid import axes
 from houle.waves import dispersion
-from houle.waves.check import assess
 from houle.waves.piston import Reading, reading_of
 from houle.waves.wave import Wave
 
@@ -126,7 +126,7 @@ def _price(case: Case, threads: int) -> str:
 
 
 def wave_rows(case: Case) -> list[tuple[str, str]]:
-    """(name, words) about the wave of the case and its maker; the numbers of `waves.check.assess`."""
+    """(name, words) about the wave of the case and its maker; the numbers of `wave_theory.assess`."""
     wave = case.wave
     if wave is None:
         return []

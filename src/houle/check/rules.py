@@ -19,12 +19,12 @@ from houle.case.build import viscous_step
 from houle.case.messages import guess, metres, place, several, show
 from houle.case.model import Case
 from houle.case.reading import is_file
-from houle.case.tables.control import SCHEMES
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.cost import memory_suffices
 from houle.check.section import CrossSection, Finding
 from houle.check.waves import sponges_fit, waves_fit
 from houle.errors import CaseError
+from houle.flow.schemes import SCHEMES
 from houle.flow.setup import SHORTEST, WAVE_SHARE
 from houle.grid import axes
 from houle.medium.sections import layers, section
@@ -328,7 +328,7 @@ def remeshing(s: CrossSection) -> Iterator[Finding]:
     if n.remesh == "paper" and n.remesh_every < SELDOM:
         text = (
             f'= {n.remesh_every}: remesh = "paper" adds water wherever there is a surface, each time; the paper takes '
-            f'{SCHEMES["jh2020"]["remesh_every"]}, or take remesh = "conservative"'
+            f'{SCHEMES["jh2020"].takes["remesh_every"]}, or take remesh = "conservative"'
         )
         yield Finding("warning", "numerics.remesh_every", text)
 

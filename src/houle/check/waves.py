@@ -23,11 +23,11 @@ from houle.case.tables.tank import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
 from houle.case.wave import read_record
 from houle.check.section import CrossSection, Finding
+from houle.check.wave_theory import assess
 from houle.data.history import shortcomings
 from houle.errors import CaseError
 from houle.medium import shapes
 from houle.waves import record
-from houle.waves.check import assess
 from houle.waves.dispersion import group_velocity
 from houle.waves.wave import Wave
 

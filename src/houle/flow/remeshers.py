@@ -28,6 +28,7 @@ from houle.grid import FloatArray, Grid
 from houle.medium.interfaces import Interfaces
 from houle.medium.medium import Medium
 from houle.medium.solids import Outline
+from houle.registry import Choices
 
 Nodes = tuple[int, int]
 EVERYWHERE: Nodes = (0, -1)
@@ -43,6 +44,7 @@ class Remesher:
     name: ClassVar[str]
     what: ClassVar[str]
     source: ClassVar[str]
+    range: ClassVar[str] = ""
     travel: ClassVar[float] = 0.5
     conserves: ClassVar[bool] = True
 
@@ -238,4 +240,4 @@ def _made_anew(
         ) from error
 
 
-REMESHERS: dict[str, type[Remesher]] = {kind.name: kind for kind in (Conservative, Paper, Keep)}
+REMESHERS: Choices[type[Remesher]] = Choices("remeshing", (Conservative, Paper, Keep))

@@ -13,6 +13,7 @@ from houle import _core
 from houle.boundary.makers import Maker
 from houle.boundary.open_side import OpenSide
 from houle.boundary.protocol import Driven
+from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column, Particles
 from houle.flow.remeshers import EVERYWHERE
 from houle.flow.seeding import column_pores, seed_slabs
@@ -244,7 +245,7 @@ class Flow:
         if self.porous:
             inertia = Column("inertia", "place", (self.grid.dimension,), unread, np.float32)
             self.particles.declare(Column("bulk", "place", new=unread), inertia)
-        if self.kernel.startswith("gaussian"):
+        if KERNELS[self.kernel].sized:
             self.particles.declare(Column("side", "place", new=unread))
 
     @property

@@ -16,9 +16,11 @@ from typing import ClassVar
 import numpy as np
 
 from houle import _core
+from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column
 from houle.flow.state import SPRAY, Flow
 from houle.grid import Faces, FloatArray
+from houle.registry import Choices
 
 
 class Transfer:
@@ -27,6 +29,7 @@ class Transfer:
     name: ClassVar[str]
     what: ClassVar[str]
     source: ClassVar[str]
+    range: ClassVar[str] = ""
 
     @classmethod
     def of(cls, *, order: int, flip: float) -> Transfer:
@@ -155,7 +158,7 @@ def velocity_change(flow: Flow) -> Faces:
     It is carried outwards as far as particles under a flat surface see it: one layer of faces with the linear kernel,
     two with the others.
     """
-    layers = 1 if flow.kernel == "linear" else 2
+    layers = KERNELS[flow.kernel].nodes
     change = [new - drag * old for new, drag, old in zip(flow.velocity, flow.drag, flow.old_velocity, strict=True)]
     known = [(valid == 1).astype(np.uint8) for valid in flow.work.valid]
     spray = SPRAY * flow.grid.cell_volume
@@ -191,4 +194,4 @@ class Apic(Pic):
         _core.affine_from(*_cloud(flow), flow.velocity, flow.particles["affine"], flow.interfaces)
 
 
-TRANSFERS: dict[str, type[Transfer]] = {kind.name: kind for kind in (Fmpm, Flip, Pic, Apic)}
+TRANSFERS: Choices[type[Transfer]] = Choices("transfer", (Fmpm, Flip, Pic, Apic))

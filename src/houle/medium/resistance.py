@@ -2,9 +2,10 @@
 
 The drag per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d = n u. Every law has its own powers
 of the porosity n: coefficients may not be carried from one law to another. To add a law, copy the shortest function,
-change the formula, the citation and the range, and add it to LAWS at the bottom: the case file, `houle describe` and
-the tests find it there. READ means that the formula was checked in the named source or in a code that implements it;
-RECALLED that it is written from memory of the literature and should be compared with the paper before it is trusted.
+change the formula, the citation and the range, and add its row to LAWS at the bottom: the case file, `houle describe`
+and the tests find it there. READ means that the formula was checked in the named source or in a code that implements
+it; RECALLED that it is written from memory of the literature and should be compared with the paper before it is
+trusted.
 
 In flow that goes to and fro b grows by (1 + 7.5/KC), KC = |u_d| T/(n d). With KC where the water is, that share of
 b |u_d| u_d is linear in u_d, and does not know the grain: 7.5 beta (1-n)/(n^2 T), a part of a. So a law needs the
@@ -19,6 +20,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, sqrt
+
+from houle.registry import Choices
 
 Pair = tuple[float, float]
 
@@ -90,10 +93,14 @@ def inertia_coefficient(n: float, added_mass: float = 0.34) -> float:
 class Law:
     """A formula with the coefficients its authors published and the range they measured in.
 
-    formula (n, d, nu, **coefficients) -> (a, b); coefficients: name -> published value, inf = steady flow (KC);
-    porosity, diameter [m], reynolds (u_d d/nu): range of the experiments behind it; status READ or RECALLED.
+    name          in the case file
+    formula       (n, d, nu, **coefficients) -> (a, b)
+    coefficients  name -> published value, inf = steady flow (KC)
+    porosity, diameter [m], reynolds (u_d d/nu)    range of the experiments behind it
+    status        READ or RECALLED, see the top of the module
     """
 
+    name: str
     formula: Callable[..., Pair]
     coefficients: dict[str, float]
     source: str
@@ -104,9 +111,19 @@ class Law:
     note: str = ""
 
     @property
-    def words(self) -> str:
+    def what(self) -> str:
         """The formula as one line: the head of the function's docstring."""
         return (self.formula.__doc__ or "").strip().split("\n\n")[0]
+
+    @property
+    def range(self) -> str:
+        """The porosities, grain diameters [m] and Reynolds numbers of the experiments behind it; "" where unknown."""
+        spans = (
+            ("n", self.porosity, (0.0, 1.0)),
+            ("d", self.diameter, (0.0, inf)),
+            ("u_d d/nu", self.reynolds, (0.0, inf)),
+        )
+        return ", ".join(f"{w} {low:g}-{high:g}" for w, (low, high), all_of_it in spans if (low, high) != all_of_it)
 
     @property
     def knows_period(self) -> bool:
@@ -122,65 +139,75 @@ class Law:
         return self.formula(n, d, nu, **self.taken(**given))
 
 
-LAWS: dict[str, Law] = {
-    "van-gent-1995": Law(
-        van_gent_1995,
-        {"alpha": 1000.0, "beta": 1.1, "kc": inf, "period": inf},
-        "van Gent (1995), Wave interaction with permeable coastal structures, PhD thesis, TU Delft",
-        "formula READ in waves2Foam vanGent1995.C; alpha, beta and the range RECALLED",
-        porosity=(0.36, 0.50),
-        diameter=(0.01, 0.07),
+LAWS: Choices[Law] = Choices(
+    "resistance law",
+    (
+        Law(
+            "van-gent-1995",
+            van_gent_1995,
+            {"alpha": 1000.0, "beta": 1.1, "kc": inf, "period": inf},
+            "van Gent (1995), Wave interaction with permeable coastal structures, PhD thesis, TU Delft",
+            "formula READ in waves2Foam vanGent1995.C; alpha, beta and the range RECALLED",
+            porosity=(0.36, 0.50),
+            diameter=(0.01, 0.07),
+        ),
+        Law(
+            "jensen-2014",
+            van_gent_1995,
+            {"alpha": 500.0, "beta": 2.0, "kc": 128.0, "period": inf},
+            "Jensen, Jacobsen & Christensen (2014), Coastal Engineering 84; calibrated on Liu et al. (1999)",
+            "READ in waves2Foam and the OpenFOAM tutorials; range: the calibration",
+            porosity=(0.39, 0.53),
+            diameter=(0.003, 0.0159),
+            note="kc = 128 is that of the dam break of the calibration: under waves the period stands in its place.",
+        ),
+        Law(
+            "liu-1999",
+            liu_1999,
+            {"alpha": 200.0, "beta": 1.1, "kc": inf, "period": inf},
+            "Liu, Lin, Chang & Sakakiyama (1999), J. Waterway, Port, Coastal and Ocean Eng. 125(6)",
+            "READ in the MONGOOSE code of the COBRAS lineage; range: the experiment",
+            porosity=(0.39, 0.49),
+            diameter=(0.003, 0.0159),
+            note="The authors' codes take KC locally, max(|u_d|, 0.01 m/s) max(1 s, T)/(n d50), with T = 1 s in a dam "
+            "break: give period = 1 for that. Or one number for all: kc (0.1 m/s in the crushed rock is kc = 12.8).",
+        ),
+        Law(
+            "engelund-1953",
+            engelund_1953,
+            {"alpha": 1000.0, "beta": 2.8},
+            "Engelund (1953), On the laminar and turbulent flows of ground water, Trans. Danish Acad. Techn. Sci. 3(4)",
+            "formula READ in waves2Foam engelund1953.C; alpha (780-1500), beta (1.8-3.6) and the range RECALLED",
+            porosity=(0.30, 0.50),
+        ),
+        Law(
+            "ergun-1952",
+            ergun_1952,
+            {"alpha": 150.0, "beta": 1.75},
+            "Ergun (1952), Fluid flow through packed columns, Chem. Eng. Progress 48",
+            "RECALLED (textbook form and range; packed spheres and granules)",
+            porosity=(0.35, 0.55),
+            reynolds=(0.0, 2500.0),
+        ),
+        Law(
+            "olaflow",
+            olaflow,
+            {"alpha": 50.0, "beta": 2.0, "kc": inf, "period": inf},
+            "Higuera, Lara & Losada (2014), Coastal Engineering 83; olaFlow",
+            "READ in olaFlow UEqn.H (note its cube of 1-n: coefficients of van Gent's form do not fit here)",
+            note="olaFlow itself takes C_r = 1 + 0.34, without (1-n)/n: added_mass = 0.34 n/(1-n) gives the same.",
+        ),
+        Law(
+            "huang-2003",
+            huang_2003,
+            {},
+            "Huang, Chang & Hwang (2003), Coastal Engineering 49; used by Shao (2010), Coastal Engineering 57",
+            "RECALLED and doubtful: three times Ergun's drag in the rock of Liu et al. (1999), and b grows with the "
+            "porosity. Read the paper before using it.",
+            porosity=(0.3, 0.5),
+        ),
     ),
-    "jensen-2014": Law(
-        van_gent_1995,
-        {"alpha": 500.0, "beta": 2.0, "kc": 128.0, "period": inf},
-        "Jensen, Jacobsen & Christensen (2014), Coastal Engineering 84; calibrated on Liu et al. (1999)",
-        "READ in waves2Foam and the OpenFOAM tutorials; range: the calibration",
-        porosity=(0.39, 0.53),
-        diameter=(0.003, 0.0159),
-        note="kc = 128 is that of the dam break of the calibration: under waves the period stands in its place.",
-    ),
-    "liu-1999": Law(
-        liu_1999,
-        {"alpha": 200.0, "beta": 1.1, "kc": inf, "period": inf},
-        "Liu, Lin, Chang & Sakakiyama (1999), J. Waterway, Port, Coastal and Ocean Eng. 125(6)",
-        "READ in the MONGOOSE code of the COBRAS lineage; range: the experiment",
-        porosity=(0.39, 0.49),
-        diameter=(0.003, 0.0159),
-        note="The authors' codes take KC locally, max(|u_d|, 0.01 m/s) max(1 s, T)/(n d50), with T = 1 s in a dam "
-        "break: give period = 1 for that. Or one number for all: kc (0.1 m/s in the crushed rock is kc = 12.8).",
-    ),
-    "engelund-1953": Law(
-        engelund_1953,
-        {"alpha": 1000.0, "beta": 2.8},
-        "Engelund (1953), On the laminar and turbulent flows of ground water, Trans. Danish Acad. Techn. Sci. 3(4)",
-        "formula READ in waves2Foam engelund1953.C; alpha (780-1500), beta (1.8-3.6) and the range RECALLED",
-        porosity=(0.30, 0.50),
-    ),
-    "ergun-1952": Law(
-        ergun_1952,
-        {"alpha": 150.0, "beta": 1.75},
-        "Ergun (1952), Fluid flow through packed columns, Chem. Eng. Progress 48",
-        "RECALLED (textbook form and range; packed spheres and granules)",
-        porosity=(0.35, 0.55),
-        reynolds=(0.0, 2500.0),
-    ),
-    "olaflow": Law(
-        olaflow,
-        {"alpha": 50.0, "beta": 2.0, "kc": inf, "period": inf},
-        "Higuera, Lara & Losada (2014), Coastal Engineering 83; olaFlow",
-        "READ in olaFlow UEqn.H (note its cube of 1-n: coefficients of van Gent's form do not fit here)",
-        note="olaFlow itself takes C_r = 1 + 0.34, without (1-n)/n: added_mass = 0.34 n/(1-n) gives the same.",
-    ),
-    "huang-2003": Law(
-        huang_2003,
-        {},
-        "Huang, Chang & Hwang (2003), Coastal Engineering 49; used by Shao (2010), Coastal Engineering 57",
-        "RECALLED and doubtful: three times Ergun's drag in the rock of Liu et al. (1999), and b grows with the "
-        "porosity. Read the paper before using it.",
-        porosity=(0.3, 0.5),
-    ),
-}
+)
 
 
 def steady_velocity(a: float, b: float, gradient: float, gravity: float = 9.81) -> float:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import inf, pi, sqrt
 from typing import Any
 
@@ -24,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from houle.waves import dispersion
-from houle.waves.wave import Array, Components, Wave, WaveError
+from houle.waves.wave import KINDS, THEORIES, Array, Components, Kind, Theory, Wave, WaveError
 
 RATIOS = (0.9, 50.0)  # K(m)/K(1 - m) that are looked at: m = 0.43 to 1 - 1e-67
 PHASES = 2048  # of a period, for means
@@ -325,3 +326,48 @@ def solitary(
         flow=flow,
         drift=-float(flow[0, 0]) * speed,
     )
+
+
+THEORIES.add(
+    Theory(
+        "cnoidal",
+        "Third order in H/h with elliptic functions, closed flume.",
+        "L/d above 8, H/d below 0.4",
+        "Fenton (1979, 1999)",
+        cnoidal,
+        place=7,
+    )
+)
+THEORIES.add(
+    Theory(
+        "solitary-3",
+        "A single crest, third order.",
+        "H/d below 0.3",
+        "Grimshaw (1971); Fenton (1972, 1999)",
+        partial(solitary, order=3),
+        place=8,
+        single=True,
+    )
+)
+THEORIES.add(
+    Theory(
+        "solitary-5",
+        "A single crest, fifth order.",
+        "H/d below 0.5",
+        "Fenton (1999)",
+        partial(solitary, order=5),
+        place=9,
+        single=True,
+    )
+)
+KINDS.add(
+    Kind(
+        "solitary",
+        "A single crest; theory solitary-5 unless told.",
+        "H/d below 0.5",
+        "see there",
+        needs=("height",),
+        takes=("theory", "focus"),
+        place=1,
+    )
+)

@@ -23,7 +23,7 @@ import numpy as np
 
 from houle.waves import dispersion, limits
 from houle.waves.steady import Steady
-from houle.waves.wave import Array, WaveError
+from houle.waves.wave import THEORIES, Array, Theory, WaveError
 
 ORDERS = (8, 12, 18, 27, 40, 60, 90, 128)  # tried until the last harmonics are negligible
 NEGLIGIBLE = 1e-9  # last harmonic of the surface relative to the height
@@ -196,3 +196,15 @@ def fenton(height: float, period: float, depth: float, gravity: float, phase: fl
         speeds=j * s.k * s.b / np.cosh(j * s.k) * speed,
         current=(s.flow - s.mean) * speed,
     )
+
+
+THEORIES.add(
+    Theory(
+        "fenton",
+        "Stream function: Fourier series of the full equations, as many harmonics as matter, closed flume.",
+        "regular waves up to 94 % of the highest for L/d below 50, 85 % at 90, 55 % at 180",
+        "Rienecker & Fenton (1981); Fenton (1988)",
+        fenton,
+        place=6,
+    )
+)

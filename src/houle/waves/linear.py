@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from houle.waves import dispersion
-from houle.waves.wave import Array, Components, Wave
+from houle.waves.wave import THEORIES, Array, Components, Theory, Wave
 
 BLOCK = 1 << 14  # numbers in a temporary array of `velocity`: they stay in the cache
 
@@ -149,3 +149,8 @@ def airy(height: float, period: float, depth: float, gravity: float, phase: floa
         parts=Components(np.array([height / 2]), omega, k, np.array([phase]), np.array([direction])),
         highest=height / 2,
     )
+
+
+THEORIES.add(
+    Theory("airy", "One cosine, linear.", "H so small that crests and troughs are alike", "Airy (1845)", airy, place=1)
+)

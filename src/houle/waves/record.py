@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
-from houle.waves.wave import Array, Components, WaveError
+from houle.waves.wave import KINDS, Array, Components, Kind, WaveError
 
 LEAD = 0.15  # of the duration, on each side
 REST = 2.0  # durations of still water after it, before the Fourier series begins again
@@ -83,3 +83,17 @@ def _largest(energy: Array, tolerance: float) -> NDArray[np.int64]:
     left = energy.sum() - np.cumsum(energy[order])
     count = int(np.argmax(left <= tolerance**2 * energy.sum())) + 1 if tolerance > 0 else len(order)
     return np.asarray(order[:count], dtype=np.int64)
+
+
+KINDS.add(
+    Kind(
+        "series",
+        "Elevations from a CSV file with columns t_s, eta_m, by linear dispersion; a ship's drawdown and its secondary "
+        "waves.",
+        "linear; long waves too",
+        "Fourier components; docs/waves.md",
+        needs=("file",),
+        takes=("start", "gap"),
+        place=6,
+    )
+)

@@ -22,7 +22,7 @@ import numpy as np
 from houle.waves import dispersion
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
-from houle.waves.wave import Array, Components
+from houle.waves.wave import KINDS, Array, Components, Kind
 
 BAND = (0.5, 3.5)  # of the peak frequency
 COUNT = 200
@@ -125,3 +125,49 @@ def focused(
     k = wave_number(omega, depth, gravity, current)
     parts = Components(height * c.energy, omega, k, omega * time - k * x, np.full(count, direction))
     return Linear.of("focused", height, period, depth, gravity, parts, height, current)
+
+
+KINDS.add(
+    Kind(
+        "jonswap",
+        "Random sea, linear, 200 components at seeded random frequencies and phases.",
+        "Hm0/d below 0.4",
+        "Hasselmann et al. (1973)",
+        needs=("height", "period"),
+        takes=("seed", "gamma"),
+        place=2,
+    )
+)
+KINDS.add(
+    Kind(
+        "pierson-moskowitz",
+        "The same, fully grown sea: gamma = 1.",
+        "deep water",
+        "Pierson & Moskowitz (1964)",
+        needs=("height", "period"),
+        takes=("seed",),
+        place=3,
+    )
+)
+KINDS.add(
+    Kind(
+        "tma",
+        "JONSWAP in finite depth.",
+        "Hm0/d below 0.4",
+        "Bouws et al. (1985)",
+        needs=("height", "period"),
+        takes=("seed", "gamma"),
+        place=4,
+    )
+)
+KINDS.add(
+    Kind(
+        "focused",
+        "NewWave: the likeliest shape of a high crest, at a given place and time; height is the crest above the level.",
+        "linear",
+        "Tromans, Anaturk & Hagemeijer (1991)",
+        needs=("height", "period", "focus"),
+        takes=("seed", "gamma"),
+        place=5,
+    )
+)

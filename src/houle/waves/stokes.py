@@ -7,13 +7,14 @@ The wave number belongs to the given period in a closed flume. Its return curren
 
 from __future__ import annotations
 
+from functools import partial
 from math import cosh, pi, sqrt
 
 import numpy as np
 
 from houle.waves import dispersion
 from houle.waves.steady import Steady, transport
-from houle.waves.wave import Array, WaveError
+from houle.waves.wave import THEORIES, Array, Theory, WaveError
 
 TERMS = ((1, 1), (2, 2), (3, 1), (3, 3), (4, 2), (4, 4), (5, 1), (5, 3), (5, 5))  # order in kH/2, harmonic
 ITERATIONS = 60
@@ -81,3 +82,15 @@ def stokes(
         f"stokes-{order}: no wave of height {height:g} m and period {period:g} s in {depth:g} m of water "
         f'(kh = {kh:.3g}, cosh = {cosh(kh):.3g}): the series does not converge; use theory = "fenton"'
     )
+
+
+URSELL = {"stokes-2": 10.0, "stokes-3": 20.0, "stokes-4": 30.0, "stokes-5": 40.0}  # Fenton (1985, 1990): 40 for order 5
+WORDS = (
+    "Power series in kH/2, closed flume.",
+    "The same to third order.",
+    "The same to fourth order.",
+    "The same to fifth order.",
+)
+for order, (name, words) in enumerate(zip(URSELL, WORDS, strict=True), start=2):
+    holds = f"Ursell number below {URSELL[name]:g}"
+    THEORIES.add(Theory(name, words, holds, "Fenton (1985); raschii", partial(stokes, order=order), place=order))

@@ -1,11 +1,14 @@
 """What every wave can say about itself: x along the direction of travel, z upwards from the BED, crest at x = t = 0.
 
-A theory is a class that fills `Wave` and writes `elevation`, `velocity` and `velocity_on`.
+A theory is a class that fills `Wave` and writes `elevation`, `velocity` and `velocity_on`. To add one, write its module
+in this folder, with its row of `THEORIES` at the end, as in cnoidal.py: the case file, `houle describe theories` and
+the tests find it there.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 
@@ -13,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from houle.errors import CaseError
+from houle.registry import Choices
 
 Array = NDArray[np.float64]
 
@@ -146,3 +150,40 @@ def ramp(t: ArrayLike, duration: float) -> Array:
     """Share of the full wave at time t [s]: half a cosine from 0 at t = 0 to 1 at t = duration, 1 if duration = 0."""
     share = np.clip(np.asarray(t, dtype=float) / duration, 0, 1) if duration > 0 else np.ones(np.shape(t))
     return 0.5 - 0.5 * np.cos(pi * share)
+
+
+@dataclass(frozen=True)
+class Theory:
+    """A theory of regular or of single waves, as the case file and `houle describe theories` know it.
+
+    make    (height, period, depth, gravity, phase, direction) -> Wave of a regular wave; of a single one
+            (height, depth, gravity, crest, direction) -> Wave with its crest at x = `crest` [m] at t = 0; None: it
+            stands for others
+    single  whether its wave is one crest alone
+    place   in lists: lower ones first
+    """
+
+    name: str
+    what: str
+    range: str
+    source: str
+    make: Callable[..., Wave] | None
+    place: int
+    single: bool = False
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of waves that a case can have; needs, takes: the keys of [waves] that it must and that it can be given."""
+
+    name: str
+    what: str
+    range: str
+    source: str
+    needs: tuple[str, ...]
+    takes: tuple[str, ...]
+    place: int
+
+
+THEORIES: Choices[Theory] = Choices("wave theory", package="houle.waves")
+KINDS: Choices[Kind] = Choices("kind of waves", package="houle.waves")

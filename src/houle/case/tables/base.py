@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
+from pydantic_core import PydanticKnownError, core_schema
 
 from houle.case.messages import NAME
+from houle.registry import choices
 
 Name = Annotated[str, Field(pattern=NAME, max_length=80)]
 Point = Annotated[tuple[float, ...], Field(strict=False, min_length=2, max_length=3)]
@@ -17,3 +19,27 @@ class Table(BaseModel):
     """A table of the case file: nothing unknown, nothing converted, nothing infinite, nothing changed later."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class OneOf:
+    """A word of the case file that names a choice of `houle.registry`: `Annotated[str, OneOf("kernel")]`."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+
+    @property
+    def allowed(self) -> list[str]:
+        """The names that there are."""
+        return list(choices(self.kind))
+
+    def check(self, value: object) -> str:
+        """Returns the name of a choice. Raises PydanticKnownError for anything else."""
+        if isinstance(value, str) and value in choices(self.kind):
+            return value
+        raise PydanticKnownError("literal_error", {"expected": ", ".join(self.allowed)})
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.check)
+
+    def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
+        return {"enum": self.allowed, "type": "string"}

@@ -2,35 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from houle.case.tables.base import Table
-
-# What `scheme` stands for. Any single key of [numerics] overrides it.
-SCHEMES: dict[str, dict[str, Any]] = {
-    "houle": {
-        "transfer": "fmpm",
-        "order": 4,
-        "flip": 0.99,
-        "kernel": "linear",
-        "remesh": "conservative",
-        "remesh_every": 5,
-        "correction": 0.5,
-        "tolerance": 1e-7,
-    },
-    "jh2020": {
-        "transfer": "flip",
-        "order": 1,
-        "flip": 1.0,
-        "kernel": "gaussian-taylor2",
-        "remesh": "paper",
-        "remesh_every": 200,
-        "correction": 0.0,
-        "tolerance": 1e-7,
-    },
-}
+from houle.case.tables.base import OneOf, Table
+from houle.registry import choices
 
 
 class Time(Table):
@@ -56,18 +33,16 @@ class Time(Table):
 class Numerics(Table):
     """[numerics]: `houle describe numerics` explains the choices."""
 
-    scheme: Literal["houle", "jh2020"] = Field(
+    scheme: Annotated[str, OneOf("scheme")] = Field(
         default="houle", description="a set of choices; the keys below override it"
     )
-    transfer: Literal["fmpm", "flip", "pic", "apic"] = Field(default="fmpm", description="particles to grid and back")
+    transfer: Annotated[str, OneOf("transfer")] = Field(default="fmpm", description="particles to grid and back")
     order: int = Field(default=4, ge=1, le=20, description="number of terms of fmpm")
     flip: float = Field(
         default=0.99, ge=0, le=1, description="share of FLIP in the blend with PIC, transfer flip only [-]"
     )
-    kernel: Literal["linear", "quadratic", "m4prime", "gaussian", "gaussian-taylor2", "gaussian-cell"] = Field(
-        default="linear", description="transfer kernel"
-    )
-    remesh: Literal["conservative", "paper", "none"] = Field(
+    kernel: Annotated[str, OneOf("kernel")] = Field(default="linear", description="transfer kernel")
+    remesh: Annotated[str, OneOf("remesh")] = Field(
         default="conservative", description="how particles are made regular again"
     )
     remesh_every: int = Field(default=5, ge=1, description="least number of steps between remeshings")
@@ -83,14 +58,15 @@ class Numerics(Table):
     def fill_from_scheme(cls, value: Any) -> Any:
         if not isinstance(value, dict):
             return value
-        scheme = value.get("scheme", "houle")
-        return {**SCHEMES.get(scheme if isinstance(scheme, str) else "", {}), **value}
+        scheme, schemes = value.get("scheme", "houle"), choices("scheme")
+        return {**schemes[scheme].takes, **value} if isinstance(scheme, str) and scheme in schemes else value
 
     @model_validator(mode="after")
     def kernel_suits_transfer(self) -> Numerics:
-        if self.transfer == "fmpm" and self.kernel == "m4prime":
+        if self.transfer == "fmpm" and choices("kernel")[self.kernel].negative:
             raise ValueError(
-                'kernel = "m4prime" has negative weights, for which the terms of transfer = "fmpm" do not converge: '
+                f'kernel = "{self.kernel}" has negative weights, for which the terms of transfer = "fmpm" do not '
+                "converge: "
                 'take kernel = "quadratic", or transfer = "flip"'
             )
         return self

@@ -187,7 +187,7 @@ class Resistance(Table):
     law: str | None = Field(
         default=None,
         description="published law, see `houle describe resistance`",
-        json_schema_extra={"enum": list(LAWS)},
+        json_schema_extra=lambda schema: schema.update(enum=list(LAWS)),
     )
     alpha: float | None = Field(default=None, ge=0, le=1e5, description="linear coefficient of the law [-]")
     beta: float | None = Field(default=None, ge=0, le=1e3, description="quadratic coefficient of the law [-]")

@@ -6,36 +6,14 @@ tables/; `case_errors.explain` puts the table's name before it.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from houle.case.tables.base import Point2, Table
+from houle.case.tables.base import OneOf, Point2, Table
+from houle.registry import choices
 from houle.waves.spectra import GAMMA
 
-Kind = Literal["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series"]
-Theory = Literal[
-    "auto", "airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal", "solitary-3", "solitary-5"
-]
-
-NEEDS: dict[str, tuple[str, ...]] = {
-    "regular": ("height", "period"),
-    "solitary": ("height",),
-    "jonswap": ("height", "period"),
-    "pierson-moskowitz": ("height", "period"),
-    "tma": ("height", "period"),
-    "focused": ("height", "period", "focus"),
-    "series": ("file",),
-}
-TAKES: dict[str, tuple[str, ...]] = {
-    "regular": ("theory",),
-    "solitary": ("theory", "focus"),
-    "jonswap": ("seed", "gamma"),
-    "pierson-moskowitz": ("seed",),
-    "tma": ("seed", "gamma"),
-    "focused": ("seed", "gamma"),
-    "series": ("start", "gap"),
-}
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # what only some kinds take
 MAKERS = ("source", "zone", "piston")
 
@@ -91,8 +69,10 @@ class Piston(Table):
 class Waves(Table):
     """[waves]"""
 
-    kind: Kind = Field(description="what comes")
-    theory: Theory = Field(default="auto", description="of regular and solitary waves, see `houle describe theories`")
+    kind: Annotated[str, OneOf("waves")] = Field(description="what comes")
+    theory: Annotated[str, OneOf("theory")] = Field(
+        default="auto", description="of regular and solitary waves, see `houle describe theories`"
+    )
     height: float | None = Field(
         default=None,
         gt=0,
@@ -140,12 +120,13 @@ class Waves(Table):
 
     @model_validator(mode="after")
     def agrees(self) -> Waves:
-        found = [f"{key} is missing: {self._what(key)}" for key in NEEDS[self.kind] if getattr(self, key) is None]
-        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        kind, theory = choices("waves")[self.kind], choices("theory")[self.theory]
+        found = [f"{key} is missing: {self._what(key)}" for key in kind.needs if getattr(self, key) is None]
+        allowed = {*kind.needs, *kind.takes}
         for key in CHOSEN:
             if key in self.model_fields_set and key not in allowed and getattr(self, key) is not None:
                 found.append(f'{key} does not belong to kind = "{self.kind}": remove it{self._hint(key)}')
-        fits = self.theory == "auto" or self.theory.startswith("solitary") == (self.kind == "solitary")
+        fits = self.theory == "auto" or theory.single == (self.kind == "solitary")
         if "theory" in allowed and not fits:
             found.append(f'theory = "{self.theory}" does not give kind = "{self.kind}": see `houle describe theories`')
         given = [key for key in MAKERS if getattr(self, key) is not None]
@@ -170,7 +151,8 @@ class Waves(Table):
     @model_serializer(mode="wrap")
     def written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         """Without the defaults of keys that its kind does not take: what is written can be read back."""
-        allowed = {*NEEDS[self.kind], *TAKES[self.kind]}
+        kind = choices("waves")[self.kind]
+        allowed = {*kind.needs, *kind.takes}
         return {key: value for key, value in handler(self).items() if key in allowed or key not in CHOSEN}
 
     def _what(self, key: str) -> str:

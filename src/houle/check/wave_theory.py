@@ -11,7 +11,7 @@ from houle.waves import dispersion
 from houle.waves.cnoidal import Cnoidal
 from houle.waves.limits import limits
 from houle.waves.linear import Linear
-from houle.waves.stokes import second_harmonic
+from houle.waves.stokes import URSELL, second_harmonic
 from houle.waves.wave import Wave
 
 Level = Literal["error", "warning", "info"]
@@ -20,7 +20,6 @@ Told = tuple[Level, str]
 CELLS_PER_LENGTH = (20.0, 50.0)  # refused below the first, warned of below the second
 CELLS_PER_HEIGHT = 0.2  # warned of below: at it C_R, C_T of 36 blocks came out within 0.02, heights within 0.5 %
 MATTERS = 0.02  # of the first harmonic
-URSELL = {"stokes-2": 10.0, "stokes-3": 20.0, "stokes-4": 30.0, "stokes-5": 40.0}  # Fenton (1985, 1990): 40 for order 5
 BENT = 0.03  # second harmonic over height from which an airy wave is warned of
 NEAR = 0.8  # share of the breaking limit that is warned of
 
