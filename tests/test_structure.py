@@ -93,7 +93,6 @@ LAYERS = (
         "running.failure",
         "running.session",
         "check.gauges",
-        "check.picture",
     }
     | {
         "results.reflection",

@@ -32,9 +32,9 @@ else:
 from houle.case import new, reading
 from houle.case.model import Case, load
 from houle.check import cost, drag, gauges, report, rules
-from houle.check.picture import draw
 from houle.check.report import open_rows
 from houle.errors import CaseError
+from houle.output.section import draw
 
 LIMIT, CLOCK = 2.0, 60.0  # s of processor time for a file, of waiting
 DRAWN = 50  # one file in so many is drawn

@@ -1,37 +1,33 @@
 """A made-up run for the tests of what a run writes: case, grid, frames and samples by number."""
 
 import dataclasses
-from types import SimpleNamespace
 
 import numpy as np
 
+from houle.case.model import load
 from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
 
 SINGLE = 2e-7  # relative rounding of float32, in which fields are stored
 
 
-def made_case(dimension=2):
-    """As much of a case as the writers and pictures ask for: a tank with a porous block, gauges and a sensor."""
-    at = (0.45, 0.05) if dimension == 2 else (0.45, 0.1, 0.05)
-    box = [[0.3, 0.0], [0.6, 0.2]] if dimension == 2 else [[0.3, 0.0, 0.0], [0.6, 0.2, 0.2]]
-    return SimpleNamespace(
-        case=SimpleNamespace(name="slosh", title="Sloshing tank"),
-        hash="0123",
-        path=None,
-        reference=None,
-        gauge=[SimpleNamespace(name="G1", x=0.2, y=0.1), SimpleNamespace(name="G2", x=0.8, y=0.1)],
-        sensor=[SimpleNamespace(name="P1", at=at)],
-        porous=[SimpleNamespace(name="block", porosity=0.5, box=box, polygon=None, below=None)],
-        solid=[],
-        gate=[],
-        water=[SimpleNamespace(box=None, polygon=None, below=0.15)],
-        waves=None,
-        sponge=[],
-        absorber=[],
-        open=[],
-        **dict.fromkeys(("runup", "overtopping", "flux", "phreatic", "force"), ()),
-        to_toml=lambda: "[case]",
+def made_case(dimension=2, **tables):
+    """A tank with a porous block, gauges and a sensor; tables replace its own."""
+    flat = dimension == 2
+    block = {"name": "block", "porosity": 0.5, "resistance": {"a": 1.0, "b": 1.0}}
+    block["box"] = [[0.3, 0.0], [0.6, 0.2]] if flat else [[0.3, 0.0, 0.0], [0.6, 0.2, 0.2]]
+    across = {} if flat else {"y": 0.1}
+    return load(
+        {
+            "case": {"name": "slosh", "title": "Sloshing tank"},
+            "domain": {"size": [0.9, 0.3] if flat else [0.9, 0.3, 0.3], "spacing": 0.03},
+            "water": [{"below": 0.15}],
+            "porous": [block],
+            "gauge": [{"name": "G1", "x": 0.2, **across}, {"name": "G2", "x": 0.8, **across}],
+            "sensor": [{"name": "P1", "at": [0.45, 0.05] if flat else [0.45, 0.1, 0.05]}],
+            "time": {"end": 1.0},
+            **tables,
+        }
     )
 
 

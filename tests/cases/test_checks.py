@@ -2,15 +2,18 @@
 
 import copy
 
+import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 from houle.case.model import load
 from houle.case.reading import shipped
 from houle.check import cost, drag, rules
-from houle.check.picture import draw
 from houle.check.section import CrossSection
 from houle.errors import CaseError
+from houle.output.drawing import INK, SHADE, SOLID, STONE
+from houle.output.section import draw
 
 RESISTANCE = {"law": "ergun-1952"}
 
@@ -279,8 +282,8 @@ def test_the_picture_shows_the_section(tmp_path):
     draw(case, tmp_path / "section.png")
     picture = imread(tmp_path / "section.png")
     pixels = picture[..., :3].reshape(-1, 3)
-    for colour in ((0xA9, 0xD3, 0xEE), (0x77, 0x77, 0x77), (0xC0, 0x39, 0x2B)):  # water, solid, gate
-        share = (abs(pixels * 255 - colour).max(axis=1) < 2).mean()
+    for colour in (SHADE, SOLID, STONE, INK):  # water, solid, body, gate and words
+        share = (abs(pixels - np.array(to_rgb(colour))).max(axis=1) < 0.008).mean()
         assert share > 0.001, colour
 
 

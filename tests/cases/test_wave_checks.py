@@ -1,12 +1,12 @@
 """Pre-flight of waves and sponges: each doubt is found, with both numbers; a good flume is left in peace."""
 
-import numpy as np
 import pytest
 from matplotlib.image import imread
 
 from houle.case.model import load
-from houle.check import gauges, picture, report, rules
+from houle.check import gauges, report, rules
 from houle.errors import CaseError
+from houle.output.section import draw, stretch
 
 WAVE = {"kind": "regular", "height": 0.04, "period": 1.2, "depth": 0.25}  # L = 1.667 m
 SPONGE = {"box": [[7.5, 0.0], [10.0, 0.4]]}
@@ -193,17 +193,18 @@ def test_the_report_names_wave_maker_and_sponge():
 
 
 def test_long_sections_are_enlarged_by_a_round_number():
-    sizes = ((1.0, 0.5), (5.5, 1.0), (10.0, 0.4), (50.0, 1.0))
-    assert [picture.enlargement(*size) for size in sizes] == [1, 1, 5, 10]
-    assert all(w / h / picture.enlargement(w, h) <= 5.5 for w, h in ((7.0, 0.4), (300.0, 5.0), (2e4, 10.0)))
+    assert [stretch(ratio) for ratio in (2.0, 5.5, 25.0, 50.0, 2000.0)] == [1.0, 1.0, 5.0, 10.0, 400.0]
+    assert all(ratio / stretch(ratio) <= 5.5 * (1 + 1e-9) for ratio in (17.5, 60.0, 2e3))
 
 
 @pytest.mark.parametrize("good", ["zone", "source", "3D"])
 def test_the_picture_shows_what_acts_on_the_water(good, tmp_path):
-    picture.draw(GOOD[good], tmp_path / "section.png")
-    colours = np.round(imread(tmp_path / "section.png")[..., :3] * 255).reshape(-1, 3)
-    names = np.abs(colours - (0x4D, 0x6F, 0x8C)).max(axis=1) < 3  # of the maker and the sponges, line of the source
-    assert names.sum() > (300 if GOOD[good].waves.source else 50)
+    """More grey lines of makers and sponges, or of a source, than without them."""
+    bare = GOOD[good].model_copy(update={"waves": None, "sponge": ()})
+    dark = [
+        (imread(draw(case, tmp_path / "section.png"))[..., :3].mean(axis=-1) < 0.8).sum() for case in (GOOD[good], bare)
+    ]
+    assert dark[0] > dark[1] + 2000
 
 
 GROUP = {"kind": "focused", "period": 1.2, "height": 0.03, "depth": 0.25}

@@ -7,7 +7,7 @@ import pytest
 
 from houle import load
 from houle.output.pictures import _times
-from houle.output.section import Section
+from houle.output.section import SectionPicture
 
 FLUME = {
     "case": {"name": "flume"},
@@ -24,7 +24,7 @@ FLUME = {
 )
 def test_low_waves_are_looked_at_from_close_by(case, amplitude, close):
     case = load({key: value for key, value in case.items() if value is not None})
-    section = Section(case, case.domain.grid, [0.25 + amplitude])
+    section = SectionPicture(case, [0.25 + amplitude])
     eta = 0.25 + amplitude * np.sin(np.linspace(0, 20, 200))
     section.look_close(eta)
     assert (section.floor > 0) is close

@@ -23,12 +23,12 @@ from houle.check import gauges
 from houle.check.boundaries import inflow, water_beside
 from houle.check.cost import price
 from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
-from houle.check.picture import draw
 from houle.check.rules import require
 from houle.check.section import CrossSection
 from houle.check.wave_theory import assess
 from houle.check.waves import reach
 from houle.grid import axes
+from houle.output.section import draw
 from houle.waves import dispersion
 from houle.waves.piston import Reading, reading_of
 from houle.waves.wave import Wave

@@ -26,7 +26,7 @@ For the runner (every failure of the file system is an OutputError: one message 
 Pictures and films import matplotlib, so import them late:
 
     houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)    all there is data for
-    houle.output.movie.write_movie(path, case, grid, fields, rate=25)
+    houle.output.movie.write_movie(path, case, fields, rate=25)
 
 A new writer: copy surface.py, add it to Outputs.
 """

@@ -25,22 +25,21 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import TICKDOWN, TICKLEFT
-from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Annotation, Text
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
-from numpy.typing import NDArray
 
-from houle.grid import Grid
-from houle.medium.shapes import Box
 from houle.output.atomic import replacing
+from houle.output.labels import apart, in_rows
 
 INK, GREY, FAINT = "#22303c", "#7d8a96", "#dfe4e8"
 WATER, SHADE = "#1f5f8b", "#dceaf4"
 LABORATORY = "#c44e17"
-STONE, STONE_LINE, SOLID, PALE = "#f3efe6", "#8c8069", "#c3c8cc", "#dbdee0"
+STONE, STONE_LINE, SOLID, PALE = "#f3efe6", "#8c8069", "#b3bac0", "#dbdee0"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
 DPI = 150
+KEY_MARK = 0.42  # inches, of the mark of an entry of a key and the gap after it
+ROW = 0.17  # inches, of a row of a key
 TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
 LEAST = 6.0  # points: smaller cannot be read
 WIDEST = 1.2  # no letter is wider, of its size
@@ -126,12 +125,44 @@ class Sheet:
             borderaxespad=0,
         )
 
+    def key(self, handles: Sequence[Any], above: float = 0.1) -> None:
+        """The key of the marks in rows under the panels, from the left; above: inches from the edge to the last row.
+
+        `key_height` tells how much of the lower margin it takes.
+        """
+        width, height = self.figure.get_size_inches()
+        left, room = _key_span(self.panels, width)
+        rows = in_rows(_entries(handles, room), room)
+        for n, row in enumerate(rows):
+            place = (left / width, (above + (len(rows) - 1 - n) * ROW) / height)
+            look: Any = {"loc": "lower left", "bbox_to_anchor": place, "ncols": len(row), "fontsize": TEXT}
+            look |= {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0, "borderaxespad": 0}
+            made = self.figure.legend(handles=[handles[i] for i in row], **look)
+            for text, i in zip(made.get_texts(), row, strict=True):
+                fitted(text, _entries(handles, room)[i] - KEY_MARK)
+
     def label_outside(self, x: str, y: str) -> None:
         """Axis labels and numbers at the left and lower sides of the sheet only, once the limits are set."""
         for i, panel in enumerate(self.panels):
             last, first = i + self.columns >= len(self.panels), i % self.columns == 0
             wide = scales(panel, last, first)
             label(panel, x if last else "", y if first else "", max(31.0, wide + 0.75 * TEXT))
+
+
+def key_height(handles: Sequence[Any], room: float) -> float:
+    """Height of a key in the lower margin [inches], where it may be as long as `room` [inches]."""
+    return ROW * len(in_rows(_entries(handles, room), room))
+
+
+def _entries(handles: Sequence[Any], room: float) -> list[float]:
+    """Length of each entry of a key [inches], a little more than most letters need; longer ones are set smaller."""
+    return [min(room, KEY_MARK + 0.62 * TEXT / 72 * max(1, len(str(handle.get_label())))) for handle in handles]
+
+
+def _key_span(panels: Sequence[Axes], width: float) -> tuple[float, float]:
+    """Left end and length of a key under some panels of a figure so wide [inches]."""
+    left = min(panel.get_position().x0 for panel in panels) * width
+    return left, width - left - 0.2
 
 
 @contextlib.contextmanager
@@ -198,7 +229,7 @@ def fitted(text: Text, room: float) -> Text:
     return text
 
 
-def _room(panel: Axes) -> tuple[float, float]:
+def panel_size(panel: Axes) -> tuple[float, float]:
     """Width and height of a panel [inches]."""
     figure: Any = panel.figure
     width, height = figure.get_size_inches()
@@ -223,7 +254,8 @@ def scales(panel: Axes, below: bool, left: bool) -> float:
     for sideways, limits, numbers in ((False, panel.get_xlim(), below), (True, panel.get_ylim(), left)):
         low, high = sorted(limits)
         air = 1e-9 * (high - low)
-        all_ticks = MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        most = 5 if sideways else max(1, min(5, int(panel_size(panel)[0] / 0.5)))
+        all_ticks = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
         at = [float(tick) for tick in np.asarray(all_ticks) if low - air <= tick <= high + air]
         zero = [0.0] * len(at)
         across = panel.get_yaxis_transform() if sideways else panel.get_xaxis_transform()
@@ -250,13 +282,16 @@ def as_numbers(values: Sequence[float]) -> list[str]:
     return [f"{round(v, digits) + 0.0:.{digits}f}".replace("-", "−") for v in values]
 
 
-def headings(panel: Axes, left: str, right: str = "", mathematics: bool = False) -> Annotation:
-    """Above a panel, no longer than it: what it shows in bold, which is returned; a number beside it."""
-    room = _room(panel)[0]
+def headings(panel: Axes, left: str, right: str = "", mathematics: bool = False, raised: float = 0.0) -> Annotation:
+    """Above a panel, no longer than it: what it shows in bold, which is returned; a number beside it.
+
+    raised: so many points higher, where names stand between.
+    """
+    room, up = panel_size(panel)[0], 5 + raised
     if right:
-        beside = _beside(panel, (1, 1), (0, 5), right, ha="right", va="baseline", color=GREY, parse_math=mathematics)
+        beside = _beside(panel, (1, 1), (0, up), right, ha="right", va="baseline", color=GREY, parse_math=mathematics)
         room -= _length(fitted(beside, 0.6 * room)) + 0.1
-    first = _beside(panel, (0, 1), (0, 5), left, ha="left", va="baseline", fontweight="bold", parse_math=mathematics)
+    first = _beside(panel, (0, 1), (0, up), left, ha="left", va="baseline", fontweight="bold", parse_math=mathematics)
     fitted(first, room)
     return first
 
@@ -275,158 +310,13 @@ def _beside(panel: Axes, at: tuple[float, float], shift: tuple[float, float], wo
     return panel.annotate(words, at, shift, **look)
 
 
-@dataclass(frozen=True)
-class Body:
-    """The outline (k, 2) of a porous body in the (x, z) section [m], and the words on it."""
-
-    outline: NDArray[np.float64]
-    words: str
-
-
-def bodies(entries: Sequence[Any], grid: Grid, y: float = 0.0) -> list[Body]:
-    """Sections at y of the shapes of a case: entries with box, polygon or below, perhaps name and porosity."""
-    found = []
-    for entry in entries:
-        outline = _outline(entry, grid, y)
-        if outline is not None:
-            porosity = getattr(entry, "porosity", None)
-            words = ", ".join(filter(None, [entry.name, f"n = {porosity:g}" if porosity else ""]))
-            found.append(Body(outline, words))
-    return found
-
-
-def _outline(entry: Any, grid: Grid, y: float) -> NDArray[np.float64] | None:
-    if getattr(entry, "polygon", None) is not None:
-        return np.array(entry.polygon, dtype=float)
-    if getattr(entry, "below", None) is not None:
-        lower, upper = np.zeros(grid.dimension), np.array([*grid.size[:-1], entry.below])
-    else:
-        lower, upper = np.array(entry.box, dtype=float)
-    if len(lower) == 3 and not lower[1] <= y <= upper[1]:
-        return None
-    (x0, z0), (x1, z1) = lower[[0, -1]], upper[[0, -1]]
-    return np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
-
-
-def draw_bodies(
-    panel: Axes, porous: Sequence[Body], solid: Sequence[Body], *, over: bool = False, words: bool = True
-) -> None:
-    """Porous bodies hatched, solids filled. over: a second, thin outline above what is drawn in between."""
-    for body in porous:
-        panel.add_patch(Polygon(body.outline, fc=STONE, ec="none", zorder=0.5))
-        panel.add_patch(Polygon(body.outline, fc="none", ec="#d5ccb8", hatch="////", lw=0, zorder=0.6))
-        dash: Any = (0, (4, 2)) if over else "-"
-        panel.add_patch(Polygon(body.outline, fc="none", ec=STONE_LINE, lw=0.9, ls=dash, zorder=4 if over else 2.5))
-    if words:
-        _names(panel, [body for body in porous if body.words])
-    for body in solid:
-        panel.add_patch(Polygon(body.outline, fc=SOLID, ec=GREY, lw=0.7, zorder=4))
-
-
-def draw_thickened(panel: Axes, windows: Sequence[Box]) -> None:
-    """What counts as solid around thin ones, paler than these."""
-    for window in windows:
-        (x0, *_, z0), (x1, *_, z1) = window.lower, window.upper
-        panel.add_patch(Rectangle((x0, z0), x1 - x0, z1 - z0, fc=PALE, ec="none", zorder=3.9))
-
-
-def _names(panel: Axes, named: Sequence[Body]) -> None:
-    """The words of bodies over their tops, pushed apart where layers lie close, never above the panel."""
-    ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
-    look: Any = {"ha": "center", "va": "bottom", "fontsize": SMALL, "color": STONE_LINE, "zorder": 5, "bbox": ground}
-    (left, right), (low, high), room = panel.get_xlim(), panel.get_ylim(), _room(panel)[0]
-    tall = 72 * _room(panel)[1]  # points
-    tops = [tall * (body.outline[:, 1].max() - low) / (high - low) + 3.0 for body in named]
-    line = 1.35 * SMALL
-    for body, top, shift in zip(named, tops, apart(tops, line, 0.0, tall - line), strict=True):
-        at = (float(body.outline[:, 0].mean()), 0.0)
-        name = panel.annotate(
-            body.words, at, (0, top + shift), xycoords=panel.get_xaxis_transform(), textcoords="offset points", **look
-        )
-        fitted(name, room)
-        half = (right - left) * min(0.5, 0.5 * _length(name) / room)  # a long name is moved inwards
-        name.xy = (float(np.clip(at[0], left + half, right - half)), 0.0)
-
-
-@dataclass(frozen=True)
-class Band:
-    """What acts on the water between two places x [m]: hatched, with its name at the top."""
-
-    low: float
-    high: float
-    words: str
-
-
-def bands(case: Any, y: float) -> list[Band]:
-    """Relaxation zone and sponges of a case, in the section at y of a case in 3D."""
-    zone = case.waves.zone if case.waves is not None else None
-    found = [] if zone is None else [Band(zone.x[0], zone.x[1], "zone")]
-    for sponge in case.sponge:
-        low, high = sponge.box
-        if len(low) == 2 or low[1] <= y <= high[1]:
-            found.append(Band(low[0], high[0], "sponge"))
-    return found
-
-
-def draw_bands(panel: Axes, found: Sequence[Band]) -> None:
-    """Thin lines at 45 degrees, over the water."""
-    for band in found:
-        panel.axvspan(band.low, band.high, fc="none", ec=GREY, hatch="//", lw=0, zorder=2.4)
-        for x in (band.low, band.high):
-            panel.axvline(x, color=GREY, lw=0.6, zorder=2.4)
-        _at_the_top(panel, (band.low + band.high) / 2, band.words)
-
-
-def draw_source(panel: Axes, x: float) -> None:
-    """Where a wave maker inside the water stands."""
-    panel.axvline(x, color=INK, lw=0.9, ls=(0, (5, 3)), zorder=2.6)
-    _at_the_top(panel, x, "source")
-
-
-def draw_open(panel: Axes, sides: Sequence[Any], length: float) -> None:
-    """Dots along the sides of the tank, of this length [m], through which water comes and goes."""
-    look: Any = {"color": INK, "lw": 2.4, "ls": (0, (0.6, 1.0)), "zorder": 6, "clip_on": False}
-    for side in sides:
-        x = 0.0 if side.side == "left" else length
-        panel.plot([x, x], [0.0, 1.0], transform=panel.get_xaxis_transform(), **look)
-        align = {"left": (6, "left"), "right": (-6, "right")}[side.side]
-        at: Any = {"xycoords": panel.get_xaxis_transform(), "textcoords": "offset points"}
-        panel.annotate(
-            "open", (x, 1.0), (align[0], -3), ha=align[1], va="top", fontsize=SMALL, color=INK, zorder=5, **at
-        )
-
-
-def draw_paddles(panel: Axes, ends: Sequence[tuple[float, float]]) -> None:
-    """(side of the tank, place) of walls that move: the wall, and the dry room behind it."""
-    for side, x in ends:
-        panel.axvspan(min(side, x), max(side, x), fc=FAINT, ec="none", zorder=2.5)
-        panel.axvline(x, color=INK, lw=1.6, zorder=4.2)
-
-
-def draw_still_water(panel: Axes, level: float) -> None:
-    panel.axhline(level, color=GREY, lw=0.6, ls=(0, (10, 5)), zorder=2.3)
-
-
-def _at_the_top(panel: Axes, x: float, words: str) -> None:
-    ground = {"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.8}
-    look: Any = {"ha": "center", "va": "top", "fontsize": SMALL, "color": INK, "zorder": 5, "bbox": ground}
-    panel.annotate(words, (x, 1.0), (0, -3), xycoords=panel.get_xaxis_transform(), textcoords="offset points", **look)
-
-
-def draw_gates(panel: Axes, gates: Sequence[Any], time: float, top: float) -> list[Line2D]:
-    """The plates that are still in the picture, lifted as far as they are at this time [s]."""
-    feet = [(gate.x, max(0.0, time - gate.start) * gate.speed) for gate in gates]
-    look: Any = {"color": INK, "lw": 1.6, "solid_capstyle": "butt", "zorder": 5}
-    return [panel.plot([x, x], [foot, top], **look)[0] for x, foot in feet if foot < top]
-
-
 def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: float = SMALL) -> None:
     """(height in data, words, colour) of curves: the words beside their right ends, pushed apart where they overlap."""
     panel.get_ylim()  # settles the limits: without it the transforms are those of an empty panel
     to_points = 72.0 / panel.figure.dpi
     (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
     heights = [to_points * panel.transData.transform((0.0, y))[1] for y, _, _ in ends]
-    room = (1.0 - panel.get_position().x1) / panel.get_position().width * _room(panel)[0] - 8 / 72
+    room = (1.0 - panel.get_position().x1) / panel.get_position().width * panel_size(panel)[0] - 8 / 72
     for (y, words, colour), shift in zip(ends, apart(heights, points * 1.25, low, high), strict=True):
         name = panel.annotate(
             words,
@@ -442,24 +332,20 @@ def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: floa
         fitted(name, room)
 
 
-def apart(heights: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """Shifts that bring neighbours `gap` apart, in their order; a crowd stays about its middle, and in range."""
+def colour_bar(page: Sheet, marks: Any, words: str, mathematics: bool = False, above: float = 0.0) -> None:
+    """A slim bar under the panels, so many inches higher; `mathematics`: between dollars in the words."""
+    width, height = page.figure.get_size_inches()
+    first = page.panels[0].get_position()
+    bar = page.figure.add_axes((first.x0, (0.32 + above) / height, min(3.2 / width, 0.4), 0.09 / height))
+    low, high = marks.get_clim()
+    bar.imshow(np.linspace(low, high, 256)[None], cmap=marks.cmap, extent=(low, high, 0.0, 1.0), aspect="auto")
+    bar.set_yticks([])
+    bar.set_frame_on(False)
+    bar.tick_params(length=2)
+    bar.locator_params(axis="x", nbins=6)
+    bar.text(1.03, 0.5, words, transform=bar.transAxes, va="center", parse_math=mathematics)
 
-    def spread(crowd: Sequence[float]) -> NDArray[np.float64]:
-        half = 0.5 * gap * (len(crowd) - 1)
-        middle = np.clip(np.mean(crowd), min(low + half, high - half), max(low + half, high - half))
-        return middle + gap * np.arange(len(crowd)) - half
 
-    order = np.argsort(heights, kind="stable")
-    crowds = [[heights[i]] for i in order]
-    k = 0
-    while k + 1 < len(crowds):
-        if spread(crowds[k])[-1] + gap > spread(crowds[k + 1])[0] + 1e-9:
-            crowds[k : k + 2] = [crowds[k] + crowds[k + 1]]
-            k = max(0, k - 1)
-        else:
-            k += 1
-    placed = np.concatenate([spread(crowd) for crowd in crowds]) if crowds else np.empty(0)
-    shifts = np.zeros(len(heights))
-    shifts[order] = placed - np.asarray(heights)[order]
-    return shifts.tolist()
+def text_length(text: Text) -> float:
+    """Length of a line of a figure [points]."""
+    return 72.0 * _length(text)

@@ -10,17 +10,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
+from houle.case.model import Case
 from houle.flow.snapshot import Snapshot
-from houle.grid import Grid
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
-from houle.output.section import Section, colour_bar, pressure_scale
+from houle.output.drawing import colour_bar
+from houle.output.pictures import BAR
+from houle.output.pressure import pressure_scale
+from houle.output.section import SectionPicture
 
 NAME = "movie.mp4"
 BLOCK = 16  # pixels: encoders want sizes that are multiples of it
 
 
-def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: float = 25.0) -> Path:
+def write_movie(path: Path | str, case: Case, fields: Any, rate: float = 25.0) -> Path:
     """One picture per frame of the run, `rate` of them in a second. OutputError when the encoder is not installed."""
     path = Path(path)
     try:
@@ -30,7 +33,7 @@ def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: floa
         cure = 'install the encoder: pip install "houle[movie]"'
         raise OutputError(path, f"the package {error.name} is not installed", cure) from None
     frames = [fields.frame(i) for i in range(0, len(fields), max(1, len(fields) // 20))]  # some, for the scales
-    section = Section(case, grid, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
+    section = SectionPicture(case, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
     options: Any = {"format": "FFMPEG", "mode": "I", "fps": rate, "quality": 8}
     get_writer: Any = imageio.get_writer
     with drawing.style(), replacing(path) as temporary, get_writer(temporary, **options) as writer:
@@ -41,17 +44,18 @@ def write_movie(path: Path | str, case: Any, grid: Grid, fields: Any, rate: floa
 
 
 class _Film:
-    """One figure for all frames: pressures, gates and the time change, the rest stands still."""
+    """One figure for all frames of a film: pressures, gates and the time change, the rest stands still."""
 
-    def __init__(self, section: Section, first: Snapshot, scale: Normalize) -> None:
-        self.section, page = section, section.sheet(1, "pressure of the particles", below=0.45)
+    def __init__(self, section: SectionPicture, first: Snapshot, scale: Normalize) -> None:
+        self.section, page = section, section.sheet(1, "pressure of the particles", below=BAR)
         self.panel, self.canvas = page.panels[0], FigureCanvasAgg(page.figure)
         page.figure.set_dpi(drawing.DPI)
         self.gates = section.draw(self.panel, first.time, over=True)
         self.marks = section.draw_particles(self.panel, first, scale)
-        self.time = drawing.headings(self.panel, "")
+        self.time = drawing.headings(self.panel, "", raised=section.raised(page, 0))
         page.label_outside("x [m]", "z [m]")
-        colour_bar(page, self.marks, "pressure [kPa]")
+        colour_bar(page, self.marks, "pressure [kPa]", above=section.key_top)
+        section.name(page)
 
     def image(self, frame: Snapshot) -> NDArray[np.uint8]:
         """One picture (height, width, 3)."""
@@ -59,7 +63,7 @@ class _Film:
         self.time.set_text(f"t = {frame.time:.3f} s")
         for gate in self.gates:
             gate.remove()
-        self.gates = drawing.draw_gates(self.panel, self.section.case.gate, frame.time, self.section.height)
+        self.gates = self.section.draw_gates(self.panel, frame.time)
         self.canvas.draw()
         pixels = np.asarray(self.canvas.buffer_rgba())[..., :3]
         more = [(0, -n % BLOCK) for n in pixels.shape[:2]]

@@ -11,29 +11,32 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
+from houle.case.model import Case
 from houle.data import laboratory
 from houle.data.laboratory import Data
 from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
-from houle.output.drawing import LABORATORY, SHADE, WATER, headings, sheet
-from houle.output.section import Section, colour_bar, length, pressure_scale, title
+from houle.output.drawing import LABORATORY, SHADE, WATER, colour_bar, headings, sheet
+from houle.output.pressure import pressure_scale
+from houle.output.section import SectionPicture, length, title
 
 MOST = 6  # panels of a sheet without laboratory times
+BAR = 0.45  # inches that a colour bar takes under the panels
 
 __all__ = ["gauges_picture", "ledger_picture", "plan_picture", "pressure_picture", "surface_picture", "write_pictures"]
 
 
 def write_pictures(
-    directory: Path | str, case: Any, grid: Grid, series: Data, surface: Data, fields: Any
+    directory: Path | str, case: Case, grid: Grid, series: Data, surface: Data, fields: Any
 ) -> list[Path]:
     """All pictures that the run has data for. fields: a FieldsReader; case: for bodies, gates and laboratory points."""
     folder = Path(directory)
     file = case.laboratory
     points = laboratory.read(file) if file else None
     made = [surface_picture(folder / "surface.png", case, grid, surface, points)]
-    made.append(pressure_picture(folder / "pressure.png", case, grid, fields, points))
+    made.append(pressure_picture(folder / "pressure.png", case, fields, points))
     if grid.dimension == 3:
         made.append(plan_picture(folder / "plan.png", case, grid, surface))
     made.append(ledger_picture(folder / "ledger.png", case, grid, series))
@@ -42,7 +45,7 @@ def write_pictures(
     return made
 
 
-def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: laboratory.Points | None = None) -> Path:
+def surface_picture(path: Path, case: Case, grid: Grid, surface: Data, points: laboratory.Points | None = None) -> Path:
     """The surface at the laboratory times with the points and their error, rms per panel; else at times of the run.
 
     In 3D the level is the mean over the wet columns across the width, as it is scored.
@@ -50,44 +53,46 @@ def surface_picture(path: Path, case: Any, grid: Grid, surface: Data, points: la
     times = _times(surface["time"].values, points)
     score = laboratory.score(points, surface) if points else None
     rms = dict(zip(score.times, score.rms, strict=True)) if score else {}
-    section = Section(case, grid, [np.nanmax(surface["eta"].values, initial=0.0), *(points.eta if points else [])])
+    section = SectionPicture(case, [np.nanmax(surface["eta"].values, initial=0.0), *(points.eta if points else [])])
     if points is None:
         section.look_close(surface["eta"].values)
     with drawing.style():
-        page = section.sheet(len(times), _surface_words(case, grid, points, score), below=0.22)
-        for panel, time in zip(page.panels, times, strict=True):
-            section.draw(panel, time)
+        computed = Line2D([], [], color=WATER, lw=1.5, label="computed")
+        key = [computed, *_laboratory_key(points, case)]
+        page = section.sheet(len(times), _surface_words(case, grid, points, score), key)
+        for number, (panel, time) in enumerate(zip(page.panels, times, strict=True)):
             x, eta = _profile(surface, time, grid)
+            section.draw(panel, time, wet=x[~np.isnan(eta)])
             panel.fill_between(x, 0, eta, color=SHADE, lw=0, zorder=0.55)
             panel.plot(x, eta, color=WATER, lw=1.5, zorder=3)
-            section.draw_paddles(panel, x[~np.isnan(eta)])
             _laboratory(panel, points, time, case)
-            headings(panel, f"t = {time:.4g} s", f"rms {1e3 * rms[time]:.1f} mm" if time in rms else "")
+            error = f"rms {1e3 * rms[time]:.1f} mm" if time in rms else ""
+            headings(panel, f"t = {time:.4g} s", error, raised=section.raised(page, number))
         page.label_outside("x [m]", "z [m]")
-        page.legend([Line2D([], [], color=WATER, lw=1.5, label="computed"), *_laboratory_key(points, case)])
+        section.name(page)
         return page.save(path)
 
 
-def pressure_picture(path: Path, case: Any, grid: Grid, fields: Any, points: laboratory.Points | None = None) -> Path:
+def pressure_picture(path: Path, case: Case, fields: Any, points: laboratory.Points | None = None) -> Path:
     """Particles coloured by their pressure, at the size of the space they fill; in 3D those of the middle section."""
     frames = [fields.frame(fields.nearest(time)) for time in _times(fields.times, points)]
-    section = Section(case, grid, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
+    section = SectionPicture(case, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
     scale = pressure_scale(frames)
     with drawing.style():
-        page = section.sheet(len(frames), _pressure_words(section, frames), below=0.45)
-        for panel, frame in zip(page.panels, frames, strict=True):
-            section.draw(panel, frame.time, over=True)
+        key = _laboratory_key(points, case)
+        page = section.sheet(len(frames), _pressure_words(section, frames), key, below=BAR)
+        for number, (panel, frame) in enumerate(zip(page.panels, frames, strict=True)):
+            section.draw(panel, frame.time, over=True, wet=frame.position[:, 0])
             marks = section.draw_particles(panel, frame, scale)
-            section.draw_paddles(panel, frame.position[:, 0])
             _laboratory(panel, points, frame.time, case)
-            headings(panel, f"t = {frame.time:.4g} s")
+            headings(panel, f"t = {frame.time:.4g} s", raised=section.raised(page, number))
         page.label_outside("x [m]", "z [m]")
-        colour_bar(page, marks, "pressure [kPa]")
-        page.legend(_laboratory_key(points, case), above=0.28)
+        colour_bar(page, marks, "pressure [kPa]", above=section.key_top)
+        section.name(page)
         return page.save(path)
 
 
-def plan_picture(path: Path, case: Any, grid: Grid, surface: Data) -> Path:
+def plan_picture(path: Path, case: Case, grid: Grid, surface: Data) -> Path:
     """Level of the free surface seen from above, in 3D."""
     available = surface["time"].values
     times = _times(available, None)
@@ -109,32 +114,33 @@ def plan_picture(path: Path, case: Any, grid: Grid, surface: Data) -> Path:
         return page.save(path)
 
 
-def _laboratory(panel: Axes, points: laboratory.Points | None, time: float, case: Any) -> None:
+def _laboratory(panel: Axes, points: laboratory.Points | None, time: float, case: Case) -> None:
     """The measured points of a time, open circles with the error of the measurement."""
     if points is None or not (here := np.abs(points.time - time) < laboratory.SAME).any():
         return
-    x, eta, error = points.x[here], points.eta[here], case.reference.error or 0.0
+    error = (case.reference.error if case.reference else None) or 0.0
+    x, eta = points.x[here], points.eta[here]
     panel.vlines(x, eta - error, eta + error, color=LABORATORY, lw=0.7, zorder=4.5)
     panel.plot(x, eta, "o", color=LABORATORY, ms=2.8, mfc="white", mew=0.9, zorder=4.5)
 
 
-def _laboratory_key(points: laboratory.Points | None, case: Any) -> list[Line2D]:
-    if points is None:
+def _laboratory_key(points: laboratory.Points | None, case: Case) -> list[Line2D]:
+    if points is None or case.reference is None:
         return []
     marks: dict[str, Any] = {"marker": "o", "ls": "none", "ms": 3.6, "mfc": "white", "mew": 0.9}
     return [Line2D([], [], color=LABORATORY, label=case.reference.label, **marks)]
 
 
-def _surface_words(case: Any, grid: Grid, points: laboratory.Points | None, score: laboratory.Score | None) -> str:
+def _surface_words(case: Case, grid: Grid, points: laboratory.Points | None, score: laboratory.Score | None) -> str:
     words = [f"free surface, spacing {length(max(grid.spacing))}"]
-    if points and case.reference.error:
+    if points and case.reference is not None and case.reference.error:
         words.append(f"points measured to ±{1e3 * case.reference.error:g} mm")
     if score:
         words.append(f"rms of all points {1e3 * score.overall:.1f} mm")
     return "  ·  ".join(words)
 
 
-def _pressure_words(section: Section, frames: Sequence[Snapshot]) -> str:
+def _pressure_words(section: SectionPicture, frames: Sequence[Snapshot]) -> str:
     particles = f"{max(len(frame.volume) for frame in frames):,}".replace(",", " ")
     words = f"pressure of the particles  ·  spacing {length(max(section.grid.spacing))}  ·  {particles} particles"
     return words + (f"  ·  section at y = {section.y:.3g} m" if section.grid.dimension == 3 else "")

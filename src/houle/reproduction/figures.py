@@ -8,16 +8,19 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
+from houle.check.section import CrossSection
 from houle.data import laboratory
 from houle.grid import FloatArray, Grid
 from houle.output import drawing
-from houle.output.drawing import GREY, INK, LABORATORY, LINES, WATER, headings, label, sheet
-from houle.output.section import Section, colour_bar, length, pressure_scale
+from houle.output.drawing import GREY, INK, LABORATORY, LINES, WATER, colour_bar, headings, label, sheet
+from houle.output.pressure import pressure_scale
+from houle.output.section import SectionPicture, length
 from houle.reproduction.measured import INSTANTS, Found, Pair, Printed, Reading, WaveRun
 
 OURS, PAPERS = WATER, LABORATORY
@@ -32,7 +35,7 @@ def pressures(path: Path, pair: Pair, words: str) -> Path:
     runs = {"houle": pair.ours, "jh2020": pair.papers}
     frames = [[run.fields.frame(run.fields.nearest(t)) for t in INSTANTS] for run in runs.values()]
     grid = _grid(pair.ours)
-    section = Section(pair.ours.case, grid, [float(f.position[:, -1].max()) for row in frames for f in row])
+    section = SectionPicture(pair.ours.case, [float(f.position[:, -1].max()) for row in frames for f in row])
     section.height = min(section.height, 0.42)
     scale = pressure_scale(f for row in frames for f in row)
     with drawing.style():
@@ -62,7 +65,7 @@ def profiles(path: Path, pair: Pair, words: str) -> Path:
     assert file is not None
     points, scores, grid = laboratory.read(file), pair.scores(), _grid(pair.ours)
     times = [row for row in scores if row[0] > 0][:6]
-    section = Section(pair.ours.case, grid, [float(points.eta.max())])
+    section = SectionPicture(pair.ours.case, [float(points.eta.max())])
     error = pair.ours.case.reference.error if pair.ours.case.reference else None
     with drawing.style():
         size = (3.1, 3.1 * section.height / grid.size[0])
@@ -171,8 +174,8 @@ def _field(panel: Axes, wave: WaveRun, time: float, largest: float) -> Any:
     x, shift = grid.axis_points(0), wave.origin
     u = _up_to_the_surface(frame.cell_velocity[..., 0], frame.cell_fill)
     extent = (-shift, grid.size[0] - shift, 0.0, grid.size[1])
-    body = drawing.bodies(wave.run.case.porous, grid)[0]
-    outline = body.outline - [shift, 0.0]
+    body = CrossSection(wave.run.case).porous[0].shape.section((0.0, 0.0, grid.size[0], grid.size[-1]))
+    outline = shapely.get_coordinates(body) - [shift, 0.0]
     panel.add_patch(Polygon(outline, fc="#faf8f3", ec="#d5ccb8", hatch="////", lw=0, zorder=0.5))
     scale = Normalize(-largest, largest)
     look: Any = {"origin": "lower", "aspect": "auto", "interpolation": "bilinear", "zorder": 1}

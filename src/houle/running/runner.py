@@ -203,7 +203,7 @@ def draw(run: Run, session: Session) -> None:
         pictures.write_pictures(run.directory, run.case, grid, series, surface, run.fields)
         if run.case.output.movie:
             session.says.say("houle: drawing the film")
-            movie.write_movie(run.directory / movie.NAME, run.case, grid, run.fields)
+            movie.write_movie(run.directory / movie.NAME, run.case, run.fields)
     except Exception as error:
         session.says.say(f"warning: no pictures ({type(error).__name__}: {error})")
 
