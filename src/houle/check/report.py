@@ -27,6 +27,7 @@ from houle.check.rules import require
 from houle.check.section import CrossSection
 from houle.check.wave_theory import assess
 from houle.check.waves import reach
+from houle.errors import CaseError
 from houle.grid import axes
 from houle.output.section import draw
 from houle.waves import dispersion
@@ -36,6 +37,8 @@ from houle.waves.wave import Wave
 
 def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:
     """Raises CaseError when the case cannot be run: nothing is printed or drawn then."""
+    if not picture.resolve().parent.is_dir():
+        raise CaseError(f"--picture {picture}: there is no folder {picture.parent}, make it or name another file")
     console = console or Console(highlight=False)
     findings = require(case)
     console.print(f"[bold]{escape(case.case.title or case.case.name)}[/]")
