@@ -60,18 +60,18 @@ class Remeshing:
         """Replaces the particles; the columns and marks that go with the water are handed on with it."""
         old, porosity = flow.particles, flow.porosity if flow.porous else None
         marks = [crest.marks(old.position) for crest in flow.crests]
-        where = (porosity, flow.nodes, flow.gates)
+        where = (porosity, flow.boundaries.nodes, flow.boundaries.gates)
         flow.drop_work()
-        for paddle in flow.paddles:
-            paddle.to_lattice(old)
+        for boundary in flow.boundaries:
+            boundary.to_lattice(old)
         new = self.remesher(old, *where)
         if new is not old:
             for name in old.of_kind("water"):
                 new[name][...] = handed_on(self.remesher, old, old[name], *where)
         handed = [None if mark is None else handed_on(self.remesher, old, mark, *where) for mark in marks]
-        for paddle in flow.paddles:
-            paddle.from_lattice(new)
-        if flow.paddles:
+        for boundary in flow.boundaries:
+            boundary.from_lattice(new)
+        if flow.boundaries.walls is not None:
             _core.leave_solids(flow.grid.core, flow.medium.outline, new.position)
         for crest, shares in zip(flow.crests, handed, strict=True):
             if shares is not None:

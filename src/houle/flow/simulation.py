@@ -13,10 +13,10 @@ from numbers import Real
 import numpy as np
 
 from houle import _core
-from houle.boundary.paddle import place
 from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
+from houle.flow.motion import begin
 from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS
 from houle.flow.remeshing_schedule import Remeshing
@@ -27,7 +27,7 @@ from houle.flow.snapshot import Snapshot
 from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
-from houle.flow.surface import arrange, find_surface
+from houle.flow.surface import arrange
 from houle.flow.transfer import TRANSFERS
 from houle.grid import FloatArray, axes
 from houle.medium.columns import Storage
@@ -36,7 +36,7 @@ from houle.observe import Profile, at_points
 from houle.observe.held import water_held
 from houle.waves.wave import Wave
 
-GRID_STATE = ("pressure", "psi", "face_velocity", "remeshing.travelled", "open_shear")  # state() on cells and faces
+GRID_STATE = ("pressure", "psi", "face_velocity", "remeshing.travelled")  # state() on cells and faces
 
 
 class Simulation:
@@ -62,21 +62,19 @@ class Simulation:
             self.__dict__.pop(kept, None)
         setup, grid = self.setup, self.grid.lowest(rows)
         fluid, numerics = setup.fluid, setup.numerics
-        self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=not setup.gates)
+        self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=setup.settles)
         water = seed(grid, self.medium, [w.shape for w in setup.water])
         _set_off(setup.water, water)
         self.flow = Flow(
             grid, self.medium, water, gravity=fluid.acceleration,
             kernel=numerics.kernel, tolerance=numerics.tolerance,
             viscosity=fluid.viscosity, smagorinsky=fluid.smagorinsky, no_slip=setup.no_slip,
+            boundaries=[make(grid, self.medium, water) for make in setup.boundaries],
         )  # fmt: skip
         transfer = TRANSFERS[numerics.transfer].of(order=numerics.order, flip=numerics.flip)
         remeshing = Remeshing(REMESHERS[numerics.remesh].of(grid, self.medium), numerics.remesh_every)
         self.flow.particles.declare(*transfer.columns(grid.dimension))
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
-        for stand in setup.boundaries:
-            stand(self.flow)
-        self._place_gates()
         arrange(self.flow)
         self.observers = setup.observe(self.flow)
         self.budget = Budget(self.flow)
@@ -111,13 +109,8 @@ class Simulation:
         remaining, largest = stop - self.time, self._largest_step()
         count = max(1, math.ceil(remaining / largest - 1e-9))
         last, self.step_size = self.step_size, remaining / count
-        if self._place_gates():
-            self.flow.sample_medium()  # of the faces that particles see beside the gate as it stands now
-            find_surface(self.flow)
-        self.flow.time = self.time
-        self.flow.last_step = last
-        for paddle in self.flow.paddles:
-            paddle.begin(self.step_size)
+        self.flow.time, self.flow.last_step = self.time, last
+        begin(self.flow, self.step_size)
         try:
             self.step.advance(self.flow, self.step_size, last, self.ledger)
             self.ledger.close()
@@ -154,27 +147,6 @@ class Simulation:
             return control.step
         crossed = min(1.0 / cells, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
         return min(control.courant * crossed, control.viscous)
-
-    def _place_gates(self) -> bool:
-        """Closes the faces that the gates cover at the present time, and says whether one has moved. Their lower edges
-        stand on the nearest grid line.
-
-        Through a face that is a little open the pressure would drive the water of a whole cell, which cannot pass.
-        """
-        flow, gates = self.flow, self.setup.gates
-        if not gates:
-            return False
-        h, up = self.grid.spacing, self.grid.dimension - 1
-        rows = []
-        for gate in gates:
-            bottom = max(0.0, (self.time - gate.start) * gate.speed)
-            rows.append((round(gate.x / h[0]) * h[0], math.floor(bottom / h[up] + 0.5) * h[up]))
-        moved = flow.place_gates(np.array(rows))
-        if flow.paddles:
-            place(flow)
-        else:
-            flow.open_passages()
-        return moved
 
     def _check(self, largest: float) -> None:
         """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
@@ -245,24 +217,14 @@ class Simulation:
 
     def _mean_level(self) -> float:
         """The levels of the columns, and what those hold that have none: steep, overhanging, beside interfaces."""
-        return self._storage.mean_level(self.flow.eta, self._between_walls(), water_held(self.flow))
+        return self._storage.mean_level(self.flow.eta, self.flow.boundaries.column_share, water_held(self.flow))
 
     def _potential_energy(self) -> float:
         """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
         *along, down = self.flow.gravity
         if self.wave is None or any(along):
             return self.ledger.potential
-        return -down * self._storage.height_moment(self.flow.eta, self._between_walls())
-
-    def _between_walls(self) -> FloatArray | None:
-        """Share of each column of cells that is between the moving walls, grid.shape[:-1]; None without any."""
-        flow = self.flow
-        if not flow.paddles:
-            return None
-        share = np.ones(self.grid.shape[:-1])
-        for paddle in flow.paddles:
-            share[paddle.behind], share[paddle.column] = 0.0, paddle.share
-        return share
+        return -down * self._storage.height_moment(self.flow.eta, self.flow.boundaries.column_share)
 
     @cached_property
     def _storage(self) -> Storage:
@@ -310,10 +272,7 @@ class Simulation:
             "pressure": flow.pressure,
             "psi": flow.psi,
             **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
-            **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
-            **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},
-            **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
-            **{f"paddle.{i}.memory": p.command.memory.copy() for i, p in enumerate(flow.paddles)},
+            **{f"boundary.{i}.{k}": v for i, b in enumerate(flow.boundaries) for k, v in b.state().items()},
             **self.observers.state(),
         }
 
@@ -332,16 +291,10 @@ class Simulation:
         flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
         for a, u in enumerate(flow.velocity):
             u[...] = state[f"face_velocity.{a}"]
-        for i, side in enumerate(flow.sides):
-            side.state = state[f"open.{i}"]
-            side.shear = np.array(state[f"open_shear.{i}"])
+        for i, boundary in enumerate(flow.boundaries):
+            boundary.restore(_part(state, f"boundary.{i}"))
+        flow.stand()
         self.observers.restore(state)
-        for i, paddle in enumerate(flow.paddles):
-            paddle.x = float(state[f"paddle.{i}.x"])
-            paddle.command.memory[...] = state[f"paddle.{i}.memory"]
-        if flow.paddles:
-            place(flow)
-        self._place_gates()
         arrange(flow)
         self.ledger.restore(_part(state, "ledger"))
 

@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from houle.boundary.exchange import exchange
 from houle.flow.correction import correct_positions
 from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, viscosity
 from houle.flow.ledger import Ledger
-from houle.flow.motion import arrive, drift, move, move_paddles, settle
+from houle.flow.motion import arrive, drift, exchange, move, move_walls, settle
 from houle.flow.projection import project
 from houle.flow.remeshing_schedule import Remeshing
 from houle.flow.state import Flow
@@ -51,7 +50,7 @@ class Step:
             self.transfer.to_particles(flow)
             settle(flow)
         with ledger.operation("advection"):
-            move_paddles(flow)
+            move_walls(flow)
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("exchange"):
             exchange(flow, dt)  # water that comes in and goes out
@@ -80,7 +79,7 @@ class PaperStep:
     def advance(self, flow: Flow, dt: float, last: float, ledger: Ledger) -> None:
         """One step of dt [s], whatever the last one was, from an arranged flow to an arranged flow."""
         with ledger.operation("advection"):
-            move_paddles(flow)
+            move_walls(flow)
             start, velocity, porosity = flow.snapshot()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n
         with ledger.clock("surface"):

@@ -76,8 +76,8 @@ class Observers:
             row["discharge"] = np.array([s.discharge(flow) for s in self.sections])
         if self.phreatics:
             row["phreatic_level"] = np.concatenate([p.levels(flow) for p in self.phreatics])
-        if flow.paddles:
-            row["paddle_position"] = np.array([paddle.x for paddle in flow.paddles])
+        if flow.boundaries.walls is not None:
+            row["paddle_position"] = flow.boundaries.walls[:, 0].copy()
         return row | (self._forces(rho) if self.loads else {})
 
     def _forces(self, rho: float) -> dict[str, FloatArray]:

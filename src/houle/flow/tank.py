@@ -1,0 +1,38 @@
+"""What a boundary sees of a flow: the tank, the medium in it, the water as particles and as fields on the grid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from houle.flow.particles import Particles
+from houle.flow.workspace import Workspace
+from houle.grid import Grid
+from houle.medium.medium import Medium
+
+
+class Tank:
+    """Water in a tank: particles, and fields on the grid. Each step overwrites the arrays of the fields.
+
+    gravity       acceleration of the water, per axis, the last one up [m/s2]
+    time          that of the positions [s]; last_step: length of the step that led to it [s]
+    kick          time over which the last forces changed old_velocity into velocity [s]
+    fill          water volume / pore volume of the cells, tent-smoothed [-]
+    depth         of the cell centres below the free surface [cells]; active: those under water
+    eta           level of the free surface [m], NaN where dry
+    velocity      Darcy velocity on the faces [m/s]; old_velocity: before the forces
+    pressure      p / rho of the cells [m2/s2]
+    """
+
+    def __init__(self, grid: Grid, medium: Medium, particles: Particles, gravity: tuple[float, ...]) -> None:
+        self.grid, self.medium, self.particles = grid, medium, particles
+        self.gravity = tuple(float(g) for g in gravity)
+        self.time = self.last_step = 0.0
+        self.kick = 1.0
+        self.fill = grid.cells()
+        self.depth = grid.cells()
+        self.active = np.zeros(grid.shape, np.uint8)
+        self.eta = np.zeros(grid.shape[:-1])
+        self.velocity = grid.faces()
+        self.old_velocity = grid.faces()
+        self.pressure = grid.cells()
+        self.work = Workspace(grid, len(particles))
