@@ -76,6 +76,7 @@ class Flow(Tank):
         self.crests: list[Crest] = []  # sections that book what crosses them
         self.held = [np.zeros(u.shape, np.uint8) for u in self.velocity] if self.porous else []  # by pressure: faces
         self.start = np.zeros(math.prod(g.shape) + 1, np.int32)
+        self._declare_columns()
         self.enclose(boundaries)
 
     def enclose(self, boundaries: Sequence[Boundary]) -> None:
@@ -86,7 +87,6 @@ class Flow(Tank):
         if len(self.boundaries.gates):
             self.whole_capacity, self.whole_mixed = self.inverse_capacity.copy(), self.mixed
             self._part_at_gates()
-        self._declare_columns()
         self.sample_medium()
 
     @property
