@@ -15,7 +15,7 @@ from houle.boundary.absorbing import Drive
 from houle.boundary.gate import Gate
 from houle.boundary.internal_source import Source, make_source
 from houle.boundary.open_side import OpenSide, Record
-from houle.boundary.paddle import Paddle
+from houle.boundary.paddle import Command, Paddle
 from houle.boundary.relaxation_zone import RelaxationZone
 from houle.boundary.sponge import Sponge
 from houle.case.build import build
@@ -138,16 +138,13 @@ def test_a_gate_does_not_stand_where_an_open_side_reads_its_level():
 def test_a_wall_that_shakes_its_lattice_moves_no_water_through_a_shut_gate(moved):
     """Particles made anew in every step before a moving wall, whose lattice gives way to it over ten cells and more."""
 
-    class Push:
+    class Push(Command):
         def way(self, tank, paddle, dt):
             x = [0.3 + moved * (0.5 - 0.5 * np.cos(np.pi * t / 0.4)) + 0.013 for t in (tank.time, tank.time + dt)]
             return x[1] - x[0]
 
         def notice(self, tank, paddle):
             """It does not listen."""
-
-        def state(self):
-            return {}
 
     sim = tank(
         lambda grid, *_: Gate(grid, 0.8, 1.0, 10.0),

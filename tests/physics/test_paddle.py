@@ -9,7 +9,7 @@ import pytest
 from situations import copy_state, differing, simulation
 
 from houle import _core
-from houle.boundary.paddle import Paddle
+from houle.boundary.paddle import Command, Paddle
 from houle.errors import SimulationError
 from houle.flow.start import prepare
 from houle.waves.dispersion import group_velocity, wave_number
@@ -25,7 +25,7 @@ FLUME: dict[str, Any] = {
 ENDED = {**FLUME, "absorber": [{"x": 4.0}]}
 
 
-class Push:
+class Push(Command):
     """Moves a paddle as told: displacement(t) [m]."""
 
     def __init__(self, displacement):
@@ -35,12 +35,6 @@ class Push:
         return self.displacement(tank.time + dt) - self.displacement(tank.time)
 
     def notice(self, tank, paddle):
-        pass
-
-    def state(self):
-        return {}
-
-    def restore(self, state):
         pass
 
 
@@ -191,7 +185,7 @@ def test_a_run_that_was_stopped_goes_on_to_the_last_bit():
     for _ in range(15):
         again.advance(100.0)
     assert differing(copy_state(sim), copy_state(again)) == []
-    assert sim.flow.boundaries[0].x != 0.4 and "boundary.1.command.memory" in state
+    assert sim.flow.boundaries[0].x != 0.4 and "flow/boundaries/1/command/memory" in state
 
 
 def test_the_number_of_threads_changes_no_bit():

@@ -13,12 +13,13 @@ through the last readings goes on to the middle of the step.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
 
 import numpy as np
 
-from houle.boundary.paddle import Paddle
-from houle.flow.boundaries import State
+from houle.boundary.paddle import Command, Paddle
+from houle.flow.component import State
 from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid
 from houle.waves.piston import Law, Reading
@@ -27,7 +28,7 @@ READINGS = 4  # through which the line goes
 TERMS = 200  # of the pressure on an accelerated wall
 
 
-class Drive:
+class Drive(Command):
     """Moves a paddle by a law, or absorbs, or both.
 
     memory  [way given so far, velocity of giving in this step and in the last, count of readings, (time, reading) ...]
@@ -48,7 +49,7 @@ class Drive:
     def _give(self, tank: Tank, paddle: Paddle, dt: float) -> float:
         """Velocity [m/s] with which it gives way to what it reads, and comes back."""
         m = self.memory
-        s, kick = self.read.speed, 0.5 * (tank.last_step + dt)
+        s, kick = self.read.speed, tank.kick_of(dt)
         hung = s * self.answer / kick
         m[2] = m[1]
         m[1] = (hung * m[1] - paddle.water * s * self._expected_excess(tank.time + dt / 2)) / (1.0 + hung)
@@ -89,7 +90,7 @@ class Drive:
     def state(self) -> State:
         return {"memory": self.memory.copy()}
 
-    def restore(self, state: State) -> None:
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
         self.memory[...] = state["memory"]
 
 

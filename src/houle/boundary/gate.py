@@ -8,13 +8,14 @@ a wall between the columns beside it (docs/decisions/0020).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from houle.flow.boundaries import Boundary, Row, State
+from houle.flow.boundaries import Boundary, Row
+from houle.flow.component import State
 from houle.flow.tank import Tank
-from houle.grid import Grid, SingleFaces
+from houle.grid import FloatArray, Grid, SingleFaces
 
 
 class Gate(Boundary):
@@ -44,5 +45,5 @@ class Gate(Boundary):
     def state(self) -> State:
         return {"row": np.array(self.row)}
 
-    def restore(self, state: State) -> None:
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
         self.row = int(state["row"])

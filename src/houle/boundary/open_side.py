@@ -26,6 +26,7 @@ cell of the side is owed, and taken in the steps that follow.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
@@ -33,7 +34,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.errors import CaseError, SimulationError
-from houle.flow.boundaries import Boundaries, Boundary, State
+from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.component import State
 from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
@@ -328,7 +330,7 @@ class OpenSide(Boundary):
     def state(self) -> State:
         return {"shear": self.shear, **{name: np.array(getattr(self, name)) for name in KEPT}}
 
-    def restore(self, state: State) -> None:
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
         self.shear = np.array(state["shear"])
         for name in KEPT:
             setattr(self, name, float(state[name]))

@@ -8,13 +8,14 @@ summed, and are kept in front of it; so nothing of the cut column is small. Behi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Protocol
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from houle.errors import CaseError, SimulationError
-from houle.flow.boundaries import Boundaries, Boundary, Row, State
+from houle.flow.boundaries import Boundaries, Boundary, Row
+from houle.flow.component import Component, State
 from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid, SingleFaces
@@ -26,20 +27,15 @@ THIN = 0.02  # of a cell: in a thinner column the velocity is not led on behind 
 CLEARANCE = 1e-9  # cells between a particle and the paddle
 
 
-class Command(Protocol):
+class Command(Component):
     """What moves a paddle."""
 
+    @abstractmethod
     def way(self, tank: Tank, paddle: Paddle, dt: float) -> float:
         """How far it goes in the step of dt [s] that begins [m]."""
 
     def notice(self, tank: Tank, paddle: Paddle) -> None:
         """Reads the pressure on its face, just found."""
-
-    def state(self) -> State:
-        """What a checkpoint needs of it."""
-
-    def restore(self, state: State) -> None:
-        """Goes on from there."""
 
 
 class Paddle(Boundary):
@@ -197,10 +193,13 @@ class Paddle(Boundary):
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> State:
-        return {"x": np.array(self.x), **{f"command.{k}": v for k, v in self.command.state().items()}}
+    def parts(self) -> Mapping[str, Component]:
+        return {"command": self.command}
 
-    def restore(self, state: State) -> None:
+    def state(self) -> State:
+        return {**super().state(), "x": np.array(self.x)}
+
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
+        super().restore(state)
         self.x = float(state["x"])
         self._cut()
-        self.command.restore({k.removeprefix("command."): v for k, v in state.items() if k.startswith("command.")})

@@ -11,21 +11,21 @@ The methods see the tank (grid, medium, water), not the flow that calls them, an
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, Literal, overload
 
 import numpy as np
 
+from houle.flow.component import Component
 from houle.flow.particles import Particles
 from houle.flow.remeshers import EVERYWHERE, Nodes
 from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, SingleFaces
 
 Row = tuple[float, float]
-State = dict[str, FloatArray]
 
 
-class Boundary:
+class Boundary(Component):
     """A gate, a moving wall, an open side, a source, a zone or a sponge: this one does nothing.
 
     name          for messages
@@ -107,17 +107,8 @@ class Boundary:
     def from_lattice(self, particles: Particles) -> None:
         """Shifts the new ones back."""
 
-    # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> State:
-        """Everything in it that the next step depends on."""
-        return {}
-
-    def restore(self, state: State) -> None:
-        """Goes on from a `state` of the same boundary."""
-
-
-class Boundaries(Sequence[Boundary]):
+class Boundaries(Component, Sequence[Boundary]):
     """All boundaries of a tank in the order of the case, and what a step needs of all of them at once.
 
     Openness and columns are asked for again when an image or a gate has moved.
@@ -170,6 +161,9 @@ class Boundaries(Sequence[Boundary]):
 
     def __iter__(self) -> Iterator[Boundary]:
         return iter(self.entries)
+
+    def parts(self) -> Mapping[str, Boundary]:
+        return {str(i): boundary for i, boundary in enumerate(self)}
 
     def that(self, method: str) -> list[Boundary]:
         """Those that do something in this method of `Boundary`."""

@@ -15,6 +15,7 @@ from weakref import ref
 
 import numpy as np
 
+from houle.flow.component import Component, State
 from houle.grid import FloatArray
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class _Clock:
             seconds["ledger"] = seconds.get("ledger", 0.0) + time.perf_counter() - end
 
 
-class Ledger:
+class Ledger(Component):
     """Sums of a run: how long each operation took, what it did to the energy, what was taken and given.
 
     seconds        that each operation took since the process started
@@ -153,7 +154,7 @@ class Ledger:
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> dict[str, FloatArray]:
+    def state(self) -> State:
         """Every sum since the start of the run, and the notes of the last step; not the seconds."""
         return {
             **{name: np.array(getattr(self, name)) for name in (*WORKS, "volume0", "given")},

@@ -16,6 +16,7 @@ from houle.grid import FloatArray
 
 def begin(flow: Flow, dt: float) -> None:
     """Boundaries at the start of a step of dt [s]: gates stand where they are by now, walls decide where to go."""
+    flow.last_step, flow.step_size = flow.step_size, dt
     for boundary in flow.boundaries:
         boundary.begin(flow, dt)
     if flow.stand():

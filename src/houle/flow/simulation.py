@@ -9,18 +9,21 @@ import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
+from houle.flow.component import Component, State, raised, under
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
 from houle.flow.motion import begin
 from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS
 from houle.flow.remeshing_schedule import Remeshing
-from houle.flow.rows import more_rows, raised
+from houle.flow.rows import more_rows
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
 from houle.flow.snapshot import Snapshot
@@ -36,10 +39,8 @@ from houle.observe import Profile, at_points
 from houle.observe.held import water_held
 from houle.waves.wave import Wave
 
-GRID_STATE = ("pressure", "psi", "face_velocity", "remeshing.travelled")  # state() on cells and faces
 
-
-class Simulation:
+class Simulation(Component):
     """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation.
 
     `grid` is that of the domain and of the results; the flow has its lowest rows (rows.py).
@@ -49,8 +50,7 @@ class Simulation:
         if threads:
             _core.set_threads(threads)
         self.setup, self.grid = setup, setup.grid
-        self.time, self.steps = 0.0, 0
-        self.step_size = 0.0
+        self.steps = 0
         self._build(setup.rows)
         self.ledger = Ledger(self.flow)
         prepare(self.flow, self.step.transfer, self.ledger)
@@ -78,6 +78,16 @@ class Simulation:
         arrange(self.flow)
         self.observers = setup.observe(self.flow)
         self.budget = Budget(self.flow)
+
+    @property
+    def time(self) -> float:
+        """Time of the particles [s]."""
+        return self.flow.time
+
+    @property
+    def step_size(self) -> float:
+        """Length of the last step [s], 0 before the first."""
+        return self.flow.step_size
 
     @property
     def wave(self) -> Wave | None:
@@ -108,14 +118,13 @@ class Simulation:
         self._make_room()
         remaining, largest = stop - self.time, self._largest_step()
         count = max(1, math.ceil(remaining / largest - 1e-9))
-        last, self.step_size = self.step_size, remaining / count
-        self.flow.time, self.flow.last_step = self.time, last
-        begin(self.flow, self.step_size)
+        dt = remaining / count
+        begin(self.flow, dt)
         try:
-            self.step.advance(self.flow, self.step_size, last, self.ledger)
+            self.step.advance(self.flow, dt, self.ledger)
             self.ledger.close()
-            self.observers.after_step(self.step_size)
-            self.time = stop if count == 1 else self.time + self.step_size
+            self.observers.after_step(dt)
+            self.flow.time = stop if count == 1 else self.time + dt
             self.steps += 1
             self._check(largest)
         except SimulationError as error:
@@ -126,8 +135,7 @@ class Simulation:
         """More rows of cells before the water comes near to the uppermost."""
         more = more_rows(self.flow, self.grid.shape[-1]) - self.flow.grid.shape[-1]
         if more:
-            state = self.state()
-            self.restore({k: raised(v, more) if k.startswith(GRID_STATE) else v for k, v in state.items()})
+            self.restore(self.raised(self.state(), more))
 
     def _largest_step(self) -> float:
         """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold.
@@ -259,54 +267,24 @@ class Simulation:
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> dict[str, FloatArray]:
-        """Everything the next step depends on."""
-        flow = self.flow
-        return {
-            "time": np.array(self.time),
-            "steps": np.array(self.steps),
-            "step_size": np.array(self.step_size),
-            **_under("remeshing", self.step.remeshing.state()),
-            **_under("ledger", self.ledger.state()),
-            **self.particles.state(),
-            "pressure": flow.pressure,
-            "psi": flow.psi,
-            **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
-            **{f"boundary.{i}.{k}": v for i, b in enumerate(flow.boundaries) for k, v in b.state().items()},
-            **self.observers.state(),
-        }
+    def parts(self) -> Mapping[str, Component]:
+        return {"flow": self.flow, "step": self.step, "ledger": self.ledger, "observers": self.observers}
 
-    def restore(self, state: dict[str, FloatArray]) -> None:
-        """Goes on from a state() of the same case, bitwise as if it had never stopped."""
-        rows = state["pressure"].shape[-1]
+    def state(self) -> State:
+        return {**super().state(), "steps": np.array(self.steps)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from a `state` of the same setup, bitwise as if it had never stopped."""
+        rows = state["flow/pressure"].shape[-1]
         if rows != self.flow.grid.shape[-1]:
             del self.flow, self.medium, self.step, self.observers, self.ledger.flow  # first, for the memory
             self._build(rows)
             self.ledger.flow = self.flow
-        flow = self.flow
-        self.time, self.steps = float(state["time"]), int(state["steps"])
-        self.step_size = float(state["step_size"])
-        self.step.remeshing.restore(_part(state, "remeshing"))
-        flow.particles.restore(state)
-        flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
-        for a, u in enumerate(flow.velocity):
-            u[...] = state[f"face_velocity.{a}"]
-        for i, boundary in enumerate(flow.boundaries):
-            boundary.restore(_part(state, f"boundary.{i}"))
-        flow.stand()
-        self.observers.restore(state)
-        arrange(flow)
-        self.ledger.restore(_part(state, "ledger"))
-
-
-def _under(name: str, state: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """The state of a component by the names that it has in that of the simulation."""
-    return {f"{name}.{key}": values for key, values in state.items()}
-
-
-def _part(state: Mapping[str, FloatArray], name: str) -> dict[str, FloatArray]:
-    """The state of a component, by its own names, out of that of the simulation."""
-    return {key.removeprefix(f"{name}."): values for key, values in state.items() if key.startswith(f"{name}.")}
+        self.steps = int(state["steps"])
+        self.flow.restore(under("flow", state))
+        arrange(self.flow)  # the ledger sums the energy of the particles in this order
+        for name in ("step", "ledger", "observers"):
+            self.parts()[name].restore(under(name, state))
 
 
 def _set_off(water: Iterable[Water], particles: Particles) -> None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
 from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.component import Component, State
 from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column, Particles
 from houle.flow.seeding import column_pores, seed_slabs
@@ -78,6 +79,29 @@ class Flow(Tank):
         self.start = np.zeros(math.prod(g.shape) + 1, np.int32)
         self._declare_columns()
         self.enclose(boundaries)
+
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
+
+    on_rows = ("pressure", "psi", "velocity")
+
+    def parts(self) -> Mapping[str, Component]:
+        return {"particles": self.particles, "boundaries": self.boundaries}
+
+    def state(self) -> State:
+        own = {"time": np.array(self.time), "step_size": np.array(self.step_size)}
+        velocity = {f"velocity.{axis}": u for axis, u in enumerate(self.velocity)}
+        return {**super().state(), **own, **velocity, "pressure": self.pressure, "psi": self.psi}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from a `state`; the particles have to be arranged before the next step."""
+        super().restore(state)
+        self.time, self.step_size = float(state["time"]), float(state["step_size"])
+        self.pressure[...], self.psi[...] = state["pressure"], state["psi"]
+        for axis, u in enumerate(self.velocity):
+            u[...] = state[f"velocity.{axis}"]
+        self.stand()
+
+    # ---- boundaries ----------------------------------------------------------------------------------------------
 
     def enclose(self, boundaries: Sequence[Boundary]) -> None:
         """Puts the boundaries around the water and in it; those that stood there before are gone."""
