@@ -19,7 +19,7 @@ HEADERS = {path.relative_to(CORE.parent).as_posix(): path for path in CORE.glob(
 # From the bottom up. A module imports from its own layer or from those below it, wherever in the file the import
 # stands; imports for type checking only do not count.
 LAYERS = (
-    {"_core", "errors", "registry"},
+    {"_core", "errors", "registry", "flow.component"},
     {
         "grid",
         "flow.particles",
