@@ -19,7 +19,7 @@ HEADERS = {path.relative_to(CORE.parent).as_posix(): path for path in CORE.glob(
 # From the bottom up. A module imports from its own layer or from those below it, wherever in the file the import
 # stands; imports for type checking only do not count.
 LAYERS = (
-    {"_core", "errors", "registry"},
+    {"_core", "errors", "registry", "flow.component"},
     {
         "grid",
         "flow.particles",
@@ -49,12 +49,9 @@ LAYERS = (
         "case.tables",
         "case.wave",
         "waves",
-        "boundary.open_side",
-        "boundary.makers",
-        "boundary.sponge",
-        "boundary.finite_source",
     },
-    {"flow.state", "boundary.protocol", "boundary.paddle", "boundary.absorbing", "flow.transfer", "flow.ledger"},
+    {"flow.tank", "flow.boundaries"},
+    {"flow.state", "flow.transfer", "flow.ledger"},
     {
         "flow.surface",
         "flow.forces",
@@ -64,10 +61,10 @@ LAYERS = (
         "flow.start",
         "flow.remeshing_schedule",
         "observe",
-        "boundary.exchange",
         "flow.budget",
     },
     {"flow.step", "flow.setup"},
+    {"boundary"},
     {
         "case.consistency",
         "case.model",
@@ -169,6 +166,13 @@ def test_imports_go_down(module):
     here = RANK[layer_of(module)]
     above = {name for name in IMPORTS[module] if RANK[layer_of(name)] > here}
     assert not above, f"houle.{module} imports from a layer above it"
+
+
+def test_the_flow_knows_no_kind_of_boundary():
+    """It has the protocol and a list; the text of its modules names none of `houle.boundary`, not even for types."""
+    for name, path in MODULES.items():
+        if name.startswith("flow"):
+            assert "houle.boundary" not in path.read_text(encoding="utf-8").replace("`houle.boundary`", ""), name
 
 
 def test_no_import_comes_round():

@@ -86,10 +86,11 @@ class Simulation:
     def state(self):
         p = self.particles
         return {
-            "position": p.position.copy(), "velocity": p.velocity.copy(), "volume": p.volume.copy(),
-            "time": np.float64(self.time), "steps": np.int64(self.steps),
+            "flow/particles/position": p.position.copy(), "flow/particles/velocity": p.velocity.copy(),
+            "flow/particles/volume": p.volume.copy(), "flow/time": np.float64(self.time), "steps": np.int64(self.steps),
         }  # fmt: skip
 
     def restore(self, state):
-        self.particles = Particles(state["position"].copy(), state["velocity"].copy(), state["volume"].copy())
-        self.time, self.steps = float(state["time"]), int(state["steps"])
+        names = ("position", "velocity", "volume")
+        self.particles = Particles(*(state[f"flow/particles/{name}"].copy() for name in names))
+        self.time, self.steps = float(state["flow/time"]), int(state["steps"])

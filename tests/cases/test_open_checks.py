@@ -55,6 +55,7 @@ DOUBTS = {
     "jolt": ({"sides": [{"side": "left", "velocity": 0.3}, RIVER[1]]}, "warning", "a jolt; give ramp = 2"),
     "fills": ({"sides": [{"side": "left", "velocity": 0.01, "ramp": 1.0}]}, "warning", "mm of level"),
     "overflows": ({"sides": [{"side": "left", "velocity": 0.3, "ramp": 1.0}]}, "error", "give a level to one side"),
+    "a gate near it": ({"gate": [{"x": 3.95, "speed": 1.0}]}, "error", "over which the open right side reads its"),
     "no file": ({"sides": [{"side": "left", "file": "nothing.csv"}]}, "error", "cannot be read"),
 }
 

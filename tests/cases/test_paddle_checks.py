@@ -60,7 +60,12 @@ def test_a_solitary_wave_follows_the_water():
         ({"absorber": [{"x": 7.97}]}, r"it goes 0.\d+ m to the right and needs 3 cells.*or longer"),
         ({"absorber": [{"x": 1.0, "side": "left"}]}, r"close the water at its left end: remove one; .*absorb = true"),
         ({"absorber": [{"x": 7.0, "period": 0.03}]}, r"period = 0.03 s: waves of 0.0014 m, less than two cells of"),
-        ({"gate": [{"x": 3.0, "speed": 1.0}]}, r"and a \[\[gate\]\] cannot stand in one tank"),
+        (
+            {"waves__piston": None, "waves__source": {"x": 7.0, "width": 1.0}},
+            r"waves\.source makes waves from x = 6\.25 to 7\.75 m, but absorber.* no water is behind it",
+        ),
+        ({"gate": [{"x": 0.2, "speed": 1.0}]}, r"gate\[0\]\.x = 0.2 m is behind waves\.piston, where no water is"),
+        ({"gate": [{"x": 7.54, "speed": 1.0}]}, r"gate\[0\]\.x = 7.54 m: absorber.* needs 3 cells, 0.06 m, before it"),
         ({"numerics": {"scheme": "jh2020"}}, r'needs numerics.scheme = "houle"'),
         ({"domain__walls": {"x": "periodic"}}, r"is a wall across the tank"),
         ({"solid": [{"box": [[0.5, 0.0], [1.0, 0.1]]}]}, r"solid.*stands in the way of waves\.piston"),

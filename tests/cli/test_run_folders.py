@@ -73,7 +73,7 @@ def test_a_damaged_result_is_told_and_the_run_goes_on_without_it(half, capsys, n
     for file, times in kept.items():
         wanted = np.asarray(full[file])
         np.testing.assert_array_equal(times, wanted[wanted > 0.25] if file == name else wanted)
-    assert load_newest(folder).state["position"].tobytes() == load_newest(whole.directory).state["position"].tobytes()
+    assert load_newest(folder).state[X].tobytes() == load_newest(whole.directory).state[X].tobytes()
 
 
 def test_of_damaged_fields_the_frames_that_are_whole_stay(half):
@@ -104,15 +104,16 @@ def spoil(folder: Path, change) -> None:
     save_checkpoint(folder, newest.step + 1, state, meta)
 
 
+X, U, VOLUME = (f"flow/particles/{name}" for name in ("position", "velocity", "volume"))
 ABSURD = {
-    "particles far away": lambda state, meta: state.update(position=1e9 * state["position"]),
-    "no number": lambda state, meta: state.update(velocity=np.full_like(state["velocity"], np.nan)),
-    "an array too short": lambda state, meta: state.update(volume=state["volume"][:-1]),
-    "a missing array": lambda state, meta: state.pop("velocity"),
-    "no time": lambda state, meta: state.pop("time"),
+    "particles far away": lambda state, meta: state.update({X: 1e9 * state[X]}),
+    "no number": lambda state, meta: state.update({U: np.full_like(state[U], np.nan)}),
+    "an array too short": lambda state, meta: state.update({VOLUME: state[VOLUME][:-1]}),
+    "a missing array": lambda state, meta: state.pop(U),
+    "no time": lambda state, meta: state.pop("flow/time"),
     "another array": lambda state, meta: state.update(more=np.zeros(3)),
-    "letters": lambda state, meta: state.update(position=np.full(state["position"].shape, b"x")),
-    "more water than room": lambda state, meta: state.update(volume=1e3 * state["volume"]),
+    "letters": lambda state, meta: state.update({X: np.full(state[X].shape, b"x")}),
+    "more water than room": lambda state, meta: state.update({VOLUME: 1e3 * state[VOLUME]}),
     "a clock without wall time": lambda state, meta: meta.pop("wall_seconds"),
     "a clock that never ends": lambda state, meta: meta.update(wall_seconds=float("inf")),
     "an operation that takes no number of seconds": lambda state, meta: meta["operations"].update(forces=float("nan")),

@@ -7,6 +7,7 @@ import pytest
 
 from clouds import start_of
 from houle import _core
+from houle.boundary.gate import Gate
 from houle.flow.seeding import seed
 from houle.flow.state import Flow
 from houle.flow.surface import find_surface, sort
@@ -118,9 +119,11 @@ def test_columns_beside_a_gate_hold_what_they_hold_in_a_shorter_tank():
     flow = Flow(whole, tank, seed(whole, tank, [Box((0.0, 0.0), (1.2, 0.8))]), gravity=(0.0, 0.0))
     other = Flow(short, alone, seed(short, alone, [Box((0.0, 0.0), (0.6, 0.8))]), gravity=(0.0, 0.0))
     before = flow.inverse_capacity.copy()
-    flow.place_gates(gates)
+    gate = Gate(whole, FACE * h, 1.0)
+    flow.enclose([gate])
     np.testing.assert_allclose(flow.inverse_capacity[:FACE], other.inverse_capacity, rtol=1e-12)
-    flow.place_gates(np.array([[FACE * h, 0.8]]))  # lifted out of the tank
+    gate.row = 8  # lifted out of the tank
+    assert flow.stand()
     np.testing.assert_allclose(flow.inverse_capacity, before, rtol=1e-12)
 
 
@@ -142,7 +145,7 @@ def test_both_levels_beside_a_gate_are_right(levels):
     pools = [Box((0.0, 0.0), (0.5, left)), Box((0.5, 0.0), (1.0, right))]
     water = seed(grid, medium, pools if right else pools[:1])
     flow = Flow(grid, medium, water, gravity=(0.0, 0.0))
-    flow.place_gates(np.array([[0.5, 0.0]]))
+    flow.enclose([Gate(grid, 0.5, 1.0)])
     flow.sample_medium()
     sort(flow)
     find_surface(flow)

@@ -33,5 +33,5 @@ def test_the_flux_through_driven_sides_is_in_the_water(out):
     columns = np.arange(flow.grid.shape[0])
     lifted = w[columns, flow.active.sum(axis=1)].sum() * 0.02  # through the tops of the pressure cells
     assert lifted == pytest.approx((speed - out) * 0.14, rel=1e-6, abs=1e-9)
-    pushed = sum(plane.power(flow) for plane in flow.driven)
+    pushed = sum(boundary.power(flow) for boundary in flow.boundaries)
     assert pushed > 0.0 and sim.ledger.open_work == pytest.approx(dt * pushed)

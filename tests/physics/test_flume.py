@@ -9,7 +9,7 @@ import pytest
 from situations import simulation
 
 from houle.analysis import harmonics
-from houle.boundary.makers import LEFT_OVER, damping
+from houle.boundary.sponge import LEFT_OVER, damping
 
 DEPTH, PERIOD, SPACING = 0.25, 1.2, 0.03125
 OMEGA = 2 * np.pi / PERIOD

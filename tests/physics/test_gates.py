@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from situations import ROCK, simulation
 
+from houle.boundary.gate import Gate
 from houle.flow.start import prepare
 
 LEFT = [[0.0, 0.0], [0.48, 0.0], [0.48, 0.24], [0.0, 0.12]]
@@ -31,7 +32,7 @@ def pools(d: int = 2, x: tuple[float, ...] = (0.48,), **more: Any) -> dict[str, 
 
 def held(sim: Any) -> list[float]:
     """Water in each room between the gates [m^d]; around a periodic axis the last is the first."""
-    p, gates, joined = sim.particles, sim.flow.gates[:, 0], sim.grid.periodic[0]
+    p, gates, joined = sim.particles, sim.flow.boundaries.gates[:, 0], sim.grid.periodic[0]
     rooms = len(gates) + (0 if joined else 1)
     room = np.searchsorted(gates, p.position[:, 0]) % rooms
     return [fsum(p.volume[room == k]) for k in range(rooms)]
@@ -119,12 +120,17 @@ def test_a_pool_stays_as_still_beside_one_that_sloshes_as_behind_a_solid_wall(tr
     assert solid < 2e-3 and gate < 2e-3
 
 
+class Stuck(Gate):
+    def begin(self, tank, dt):
+        """It does not move."""
+
+
 def test_half_raised_gates_leave_level_water_at_rest():
     """Its edge under the surface, a body behind it: rest is rest."""
     sim = simulation(pools(porous=[BODY], water=[{"below": 0.207}]))
-    flow = sim.flow
-    sim._place_gates = lambda: (flow.place_gates(np.array([[0.48, 0.09]])), flow.open_passages())
-    sim._place_gates()
+    flow, gate = sim.flow, Stuck(sim.grid, 0.48, 1.0)
+    gate.row = 3
+    flow.enclose([gate])
     prepare(flow, sim.step.transfer, sim.ledger)
     fastest = 0.0
     while sim.time < 0.4:
@@ -145,7 +151,7 @@ def test_water_passes_a_rising_gate_below_its_edge_only(speed, behind):
     while sim.time < 0.5:
         start = sim.time
         sim.advance(0.5)
-        edge = sim.flow.gates[0, 1]
+        edge = sim.flow.boundaries.gates[0, 1]
         most += edge * np.sqrt(2 * 9.81 * 0.27) * (sim.time - start)
         assert held(sim)[1] - there <= most + 1e-12
         x, z = sim.particles.position.T

@@ -68,7 +68,7 @@ def test_a_sheared_river_leaves_as_it_came():
     fall = shear**2 / 12 / 9.81
     undisturbed = slice(40, 76)  # from 1.0 m, where the uniform water from the left has not come to, to 1.9 m
     assert np.abs(sim.flow.eta[undisturbed] - DEPTH).max() < fall / 3
-    assert -sim.flow.sides[1].speed[:layers] == pytest.approx(speeds, abs=0.05 * shear)
+    assert -sim.flow.boundaries[1].speed[:layers] == pytest.approx(speeds, abs=0.05 * shear)
 
 
 @pytest.mark.parametrize("scheme", ["houle", "jh2020"])
@@ -288,5 +288,5 @@ def test_a_zone_for_a_long_wave_may_fill_the_tank():
         }
     )
     run(sim, 20)
-    assert abs(sim.flow.sides[0].outgoing) < 1e-3
+    assert abs(sim.flow.boundaries[0].outgoing) < 1e-3
     assert np.abs(sim.flow.eta - DEPTH).max() < 0.02

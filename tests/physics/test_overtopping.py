@@ -156,7 +156,7 @@ def test_a_tank_with_an_open_end_counts_what_came_over():
     )
     first = behind(sim, 1.245)
     run(sim, 10**6, until=2.0)
-    left = sim.flow.sides[1].went - sim.flow.sides[1].came
+    left = sim.flow.boundaries[1].went - sim.flow.boundaries[1].came
     assert left > 1e-3
     assert sim.sample()["overtopping_volume"][0] == pytest.approx(behind(sim, 1.245) + left - first, abs=EXACT)
 

@@ -9,7 +9,7 @@ import pytest
 from situations import copy_state, differing, simulation
 
 from houle import _core
-from houle.boundary.paddle import Paddle
+from houle.boundary.paddle import Command, Paddle
 from houle.errors import SimulationError
 from houle.flow.start import prepare
 from houle.waves.dispersion import group_velocity, wave_number
@@ -25,18 +25,16 @@ FLUME: dict[str, Any] = {
 ENDED = {**FLUME, "absorber": [{"x": 4.0}]}
 
 
-class Push:
+class Push(Command):
     """Moves a paddle as told: displacement(t) [m]."""
-
-    memory = np.zeros(0)
 
     def __init__(self, displacement):
         self.displacement = displacement
 
-    def way(self, flow, paddle, dt):
-        return self.displacement(flow.time + dt) - self.displacement(flow.time)
+    def way(self, tank, paddle, dt):
+        return self.displacement(tank.time + dt) - self.displacement(tank.time)
 
-    def notice(self, flow, paddle):
+    def notice(self, tank, paddle):
         pass
 
 
@@ -49,7 +47,7 @@ def pushed(displacement, water=1, **overrides):
         "time": {"end": 100.0},
     }
     sim = simulation(tank, **overrides)
-    Paddle("pushed", 0.3 if water > 0 else 0.9, water, Push(displacement), sim.flow)
+    sim.flow.enclose([Paddle("pushed", sim.grid, 0.3 if water > 0 else 0.9, water, Push(displacement))])
     sim.ledger.volume0 = sim.particles.total_volume
     prepare(sim.flow, sim.step.transfer, sim.ledger)
     return sim
@@ -69,7 +67,7 @@ def levels(sim):
 def test_a_slow_paddle_lifts_the_level_as_the_volume_says(water):
     """Over five cells, through every cut of a cell: volume to round-off, all water in front, level to 1 % of a cell."""
     sim = pushed(lambda t: water * 0.125 * (0.5 - 0.5 * np.cos(np.pi * min(t / 6.0, 1.0))), water)
-    paddle, volume = sim.flow.paddles[0], sim.particles.total_volume
+    paddle, volume = sim.flow.boundaries[0], sim.particles.total_volume
     assert volume == pytest.approx(0.9 * 0.25, rel=1e-12)
     for end in (2.0, 4.0, 7.0):
         to(sim, end)
@@ -98,11 +96,11 @@ def test_water_stays_at_rest_before_a_paddle_at_rest():
 def test_the_work_of_the_paddle_is_the_energy_of_the_water():
     """Water pushed to and fro: kinetic energy and that of the levels grow by what pressure times velocity gave."""
     sim = pushed(lambda t: 0.04 * np.sin(2 * np.pi * t / 1.5) * min(1.0, t / 1.5))
-    paddle, h = sim.flow.paddles[0], sim.grid.spacing[0]
+    paddle, h = sim.flow.boundaries[0], sim.grid.spacing[0]
 
     def energy():
         eta = np.nan_to_num(sim.flow.eta)
-        raised = 0.5 * 1000.0 * 9.81 * h * np.sum(sim._room_along() * eta**2)
+        raised = 0.5 * 1000.0 * 9.81 * h * np.sum(sim.flow.boundaries.column_share * eta**2)
         return float(sim.sample()["kinetic_energy"]) + raised
 
     first, kept = energy(), []
@@ -141,7 +139,7 @@ def test_the_piston_makes_the_height_that_is_asked_for_and_the_far_wall_takes_it
     out, back = first_harmonics(sim, 2, 0.8, 3.6)
     assert out == pytest.approx(2 * sim.wave.components().amplitude[0], rel=0.02)
     assert back / out < 0.03
-    assert abs(sim.flow.paddles[1].x - 4.0) < 0.05  # it stays about its place
+    assert abs(sim.flow.boundaries[1].x - 4.0) < 0.05  # it stays about its place
 
 
 def test_a_piston_that_absorbs_holds_the_height_before_a_wall():
@@ -187,7 +185,7 @@ def test_a_run_that_was_stopped_goes_on_to_the_last_bit():
     for _ in range(15):
         again.advance(100.0)
     assert differing(copy_state(sim), copy_state(again)) == []
-    assert sim.flow.paddles[0].x != 0.4 and "paddle.1.memory" in state
+    assert sim.flow.boundaries[0].x != 0.4 and "flow/boundaries/1/command/memory" in state
 
 
 def test_the_number_of_threads_changes_no_bit():

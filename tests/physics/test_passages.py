@@ -86,10 +86,10 @@ def test_a_gate_stays_shut_beside_a_wall_that_absorbs(side):
     before = through()
     while sim.time < 0.19:
         sim.advance(0.19)
-        assert sim.flow.open_faces[0][face].max() == 0.0
+        assert sim.flow.boundaries.open_faces[0][face].max() == 0.0
     assert through() == pytest.approx(before, rel=1e-12)
     while sim.time < 0.6:
         sim.advance(0.6)
-    assert sim.flow.open_faces[0][face].tolist() == [1.0] * 10 + [0.0] * 10
+    assert sim.flow.boundaries.open_faces[0][face].tolist() == [1.0] * 10 + [0.0] * 10
     assert through() > 1.1 * before
     assert all(np.array_equal(a, b) for a, b in zip(sim.medium.open_faces, whole, strict=True))

@@ -91,7 +91,7 @@ def test_a_gate_opens_at_the_same_time_after_a_restart():
     again = simulation(gated)
     again.restore(copy_state(whole))
     assert differing(copy_state(run(whole, 5)), copy_state(run(again, 5))) == []
-    assert np.any(whole.flow.open_faces[0] == 0.0)
+    assert np.any(whole.flow.boundaries.open_faces[0] == 0.0)
 
 
 FORK = """

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
-from houle.boundary.makers import RelaxationZone, damping
-from houle.boundary.sponge import resist
+from houle.boundary.relaxation_zone import RelaxationZone
+from houle.boundary.sponge import Sponge, damping
 from houle.grid import Grid
 from houle.waves.theories import regular
 
@@ -53,7 +53,7 @@ def sponge():
     end = 1.5 * wave.length
     grid = Grid((2 * CELLS, 2), (end / CELLS, DEPTH), (False, False))
     rate = grid.faces()
-    resist(((0.0, 0.0), (end, 2 * DEPTH)), damping(wave.group_velocity, end), grid, rate)
+    Sponge(grid, ((0.0, 0.0), (end, 2 * DEPTH)), damping(wave.group_velocity, end)).resist(rate)
     return rate[0][: CELLS + 1, 0] / wave.omega, np.zeros(CELLS + 1), 1.5
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from houle.boundary.finite_source import FiniteSource
-from houle.boundary.makers import InternalSource
+from houle.boundary.internal_source import FiniteSource, InternalSource
 from houle.case.build import make_maker
 from houle.case.tables.waves import Waves
 from houle.case.wave import make

@@ -13,69 +13,67 @@ through the last readings goes on to the middle of the step.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.grid import FloatArray
+from houle.boundary.paddle import Command, Paddle
+from houle.flow.component import State
+from houle.flow.tank import Tank
+from houle.grid import FloatArray, Grid
 from houle.waves.piston import Law, Reading
-
-if TYPE_CHECKING:
-    from houle.boundary.paddle import Paddle
-    from houle.flow.state import Flow
 
 READINGS = 4  # through which the line goes
 TERMS = 200  # of the pressure on an accelerated wall
 
 
-class Drive:
+class Drive(Command):
     """Moves a paddle by a law, or absorbs, or both.
 
     memory  [way given so far, velocity of giving in this step and in the last, count of readings, (time, reading) ...]
     """
 
-    def __init__(self, law: Law | None, read: Reading, flow: Flow, absorb: bool) -> None:
+    def __init__(self, law: Law | None, read: Reading, grid: Grid, absorb: bool) -> None:
         self.law, self.read, self.absorb = law, read, absorb
-        grid = flow.grid
         self.z = grid.axis_points(grid.dimension - 1)
         self.weights = read.weights(self.z, grid.spacing[-1])
         self.answer = float(np.sum(self.weights * pushed(self.z, read.depth))) / read.gravity
         self.memory = np.zeros(4 + 2 * READINGS)
 
-    def way(self, flow: Flow, paddle: Paddle, dt: float) -> float:
+    def way(self, tank: Tank, paddle: Paddle, dt: float) -> float:
         offset = paddle.x - paddle.rest
-        way = self.law.way(flow.time, dt, offset) if self.law is not None else 0.0
-        return way + dt * self._give(flow, paddle, dt) if self.absorb else way
+        way = self.law.way(tank.time, dt, offset) if self.law is not None else 0.0
+        return way + dt * self._give(tank, paddle, dt) if self.absorb else way
 
-    def _give(self, flow: Flow, paddle: Paddle, dt: float) -> float:
+    def _give(self, tank: Tank, paddle: Paddle, dt: float) -> float:
         """Velocity [m/s] with which it gives way to what it reads, and comes back."""
         m = self.memory
-        s, kick = self.read.speed, 0.5 * (flow.last_step + dt)
+        s, kick = self.read.speed, tank.kick_of(dt)
         hung = s * self.answer / kick
         m[2] = m[1]
-        m[1] = (hung * m[1] - paddle.water * s * self._expected_excess(flow.time + dt / 2)) / (1.0 + hung)
+        m[1] = (hung * m[1] - paddle.water * s * self._expected_excess(tank.time + dt / 2)) / (1.0 + hung)
         velocity = m[1] - m[0] * self.read.back
         m[0] += velocity * dt
         return float(velocity)
 
-    def notice(self, flow: Flow, paddle: Paddle) -> None:
+    def notice(self, tank: Tank, paddle: Paddle) -> None:
         if not self.absorb:
             return
         m, made = self.memory, 0.0
         if self.law is not None:
-            made = self.law.expected(flow.time, paddle.x - paddle.rest, self.read)
-        moved = paddle.water * self.answer * (m[1] - m[2]) / flow.kick
+            made = self.law.expected(tank.time, paddle.x - paddle.rest, self.read)
+        moved = paddle.water * self.answer * (m[1] - m[2]) / tank.kick
         m[4:-2] = m[6:]
-        m[-2:] = flow.time, self.elevation(flow, paddle) - made - moved
+        m[-2:] = tank.time, self.elevation(tank, paddle) - made - moved
         m[3] = min(m[3] + 1, READINGS)
 
-    def elevation(self, flow: Flow, paddle: Paddle) -> float:
+    def elevation(self, tank: Tank, paddle: Paddle) -> float:
         """Elevation of the travelling wave in the pressure on the face [m]."""
         g, d, c = self.read.gravity, self.read.depth, paddle.column
-        level = np.nan_to_num(flow.eta[c], nan=d)[..., None]
+        level = np.nan_to_num(tank.eta[c], nan=d)[..., None]
         still = g * (d - self.z)
-        beyond = np.where(flow.active[c] == 1, flow.pressure[c] - still, g * (level - d))
+        beyond = np.where(tank.active[c] == 1, tank.pressure[c] - still, g * (level - d))
         return float(np.mean(np.sum(self.weights * beyond, axis=-1))) / g
 
     def _expected_excess(self, t: float) -> float:
@@ -88,6 +86,12 @@ class Drive:
         spread = float(np.sum((time - mean) ** 2))
         slope = float(np.sum((time - mean) * value)) / spread if spread > 0.0 else 0.0
         return float(value.mean() + slope * (t - mean))
+
+    def state(self) -> State:
+        return {"memory": self.memory.copy()}
+
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
+        self.memory[...] = state["memory"]
 
 
 def pushed(z: FloatArray, depth: float) -> FloatArray:

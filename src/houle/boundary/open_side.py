@@ -1,7 +1,7 @@
 """Open sides of the tank: water comes in or goes out at a velocity, with a discharge, or towards a level outside.
 
 At every step each open side has one velocity into the tank for each of its faces. It enters the pressure system as a
-flux, and the faces keep it (protocol.py); `exchange.py` lets in and takes out the very volume that it carries.
+flux, and the faces keep it; the very volume that it carries is let in and taken out, particle by particle.
 
     velocity, discharge    u_in = U(t), or q(t) over the wet depth
     level                  u_in = U + sqrt(g/d) (level(t) - eta)          (Flather 1976)
@@ -10,27 +10,43 @@ The second lets long waves leave: what comes from inside with u = -sqrt(g/d) eta
 case when velocity or discharge are given beside the level; else it is found: dU/dt = sqrt(g/d) (level - eta) / T, so
 that in the end the level is that asked for, whatever flows. T, the response, is long beside the waves. A wave that a
 relaxation zone at the side makes is part of what is outside: its elevation of the level, its velocity of U.
+
+What damps in front of a side, in its half of the tank, would hold up the flow through it: the side pushes the water
+there towards that flow, + sigma U. A current, and the long waves that leave; what the side lets in of the wave of a
+zone is not in it.
+
+**Particles.** Behind each half face of a side lies a row of particles. What comes in through the half face in a step is
+a thin slice of water: it joins the first particle of the row until that is full, a half cell of water, then the next
+one begins. What goes out is a slice too, taken from the first particles of the row; a particle that has nothing left is
+gone. So the particles next to the side grow or shrink with the flow: volumes, and levels, do not jump when one passes.
+Each stands for the water between its ends, and its place follows their middle. What is to go out and is not within a
+cell of the side is owed, and taken in the steps that follow.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from houle.errors import SimulationError
+from houle.errors import CaseError, SimulationError
+from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.component import State
 from houle.flow.particles import Particles
-from houle.grid import FloatArray, Grid
+from houle.flow.tank import Tank
+from houle.grid import Faces, FloatArray, Grid
 from houle.waves.wave import Wave, ramp
-
-if TYPE_CHECKING:
-    from houle.flow.state import Flow
 
 NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
 CROSSINGS = 4.0  # of the tank by a long wave, the response of a level: critical damping if its other end is closed
 THIN = 0.25  # of a half cell: less water at the surface belongs to the half cell below
+SPARE = 1e-3  # by which a particle may be overfull: water that hardly moves makes no specks
+EDGE = 1e-6  # cells from the side: a particle that the side has stopped
+KEPT = ("follows", "owed", "came", "went", "outgoing")  # numbers that the next step depends on
 
 
 @dataclass(frozen=True)
@@ -44,8 +60,8 @@ class Record:
         return float(np.interp(t, self.time, self.value))
 
 
-@dataclass
-class OpenSide:
+@dataclass(eq=False)
+class OpenSide(Boundary):
     """One open side. Shapes: rows = grid.shape[1:], its faces; halves = twice as many along each axis.
 
     speed (rows) into the tank [m/s]; wet (halves) share of each half face that is under water; after `drive`.
@@ -76,11 +92,15 @@ class OpenSide:
     speed: FloatArray = field(init=False)
     wet: FloatArray = field(init=False)
     shear: FloatArray = field(init=False)
+    work: ClassVar[Literal["source_work", "open_work"]] = "open_work"
 
     def __post_init__(self) -> None:
         rows = self.grid.shape[1:]
         self.speed, self.wet = np.zeros(rows), np.zeros(tuple(2 * n for n in rows))
         self.shear = np.zeros(rows)
+        self.name = f"the open {'right' if self.far else 'left'} side"
+        self.damped: FloatArray | None = None  # what damps at the faces along x in its half of the tank [1/s]
+        self.depths = np.zeros(0)  # of the water at these faces at the start [m], (nx + 1, [ny])
 
     @classmethod
     def of(
@@ -135,33 +155,52 @@ class OpenSide:
         """Area of half a face [m^(d-1)]."""
         return float(np.prod([h / 2 for h in self.grid.spacing[1:]]))
 
-    @property
-    def state(self) -> FloatArray:
-        return np.array([self.follows, self.owed, self.came, self.went, self.outgoing])
+    def join(self, tank: Tank, boundaries: Boundaries) -> None:
+        """Learns what damps in front of it. CaseError where it is behind a wall, or a gate stands in its way."""
+        h = self.grid.spacing[0]
+        for other in boundaries:
+            if isinstance(other, OpenSide) and other is not self and other.far == self.far:
+                raise CaseError(f"{self.name} is given twice: put both into one table")
+            for _, water in other.images():
+                if water == self.sign:
+                    raise CaseError(f"{self.name} is behind {other.name}, where no water is: remove one")
+            for x, _ in other.gates():
+                if abs(x - self.x) < NEAR * h:
+                    raise CaseError(
+                        f"{other.name} at x = {x:g} m stands in the {NEAR} columns, {NEAR * h:.3g} m, over which "
+                        f"{self.name} reads its level: move it inwards"
+                    )
+        if boundaries.damping:
+            middle = (self.grid.shape[0] + 1) // 2
+            self.damped = boundaries.damping[0].copy()
+            self.damped[slice(None, middle) if self.far else slice(middle, None)] = 0.0
+            depths = tank.particles.depths(self.grid)
+            padded = np.concatenate([depths[:1], depths, depths[-1:]])
+            self.depths = np.maximum(0.5 * (padded[:-1] + padded[1:]), self.grid.spacing[-1])
 
-    @state.setter
-    def state(self, values: FloatArray) -> None:
-        self.follows, self.owed, self.came, self.went, self.outgoing = map(float, values)
+    def touches(self) -> dict[int, slice]:
+        return {} if self.damped is None else {0: slice(0, len(self.damped))}
 
-    def passing(self) -> float:
-        """Discharge towards larger x that what damps in front of the side is to let through, per width [m2/s]."""
-        return self.sign * self.excess
+    def push(self, t: float, acceleration: Faces) -> None:
+        """Towards the flow through it, what damps in front of it; `excess` is the discharge per width [m2/s]."""
+        if self.damped is not None:
+            acceleration[0] += self.damped * (self.sign * self.excess / self.depths)[..., None]
 
     # ---- what flows ----------------------------------------------------------------------------------------------
 
-    def drive(self, flow: Flow, dt: float) -> None:
-        """Sets speed and wet for a step of dt [s] that begins at flow.time: the velocity of its middle."""
-        middle, level = flow.time + dt / 2, self.level(flow)
+    def drive(self, tank: Tank, dt: float) -> None:
+        """Sets speed and wet for a step of dt [s] that begins at tank.time: the velocity of its middle."""
+        middle, level = tank.time + dt / 2, self.level(tank)
         self.wet = self._wet(level)
         shape = (*self.speed.shape[:-1], 1)
         depth = (self._depths() if self.grid.dimension == 3 else np.array(self._depths())).reshape(shape)
         inwards = mean = self._mean(middle, depth)
         self.excess = float(np.mean(inwards * depth))
         if self.long_from > 0.0:
-            self.excess -= float(np.mean(np.sqrt(self.gravity * depth))) * self._outgoing(flow, dt)
+            self.excess -= float(np.mean(np.sqrt(self.gravity * depth))) * self._outgoing(tank, dt)
         if "level" in self.prescribed:
-            inwards = inwards + self._towards_level(flow.time, dt, level, depth)
-        self._carry_shear(flow, dt, float(np.mean(mean)))
+            inwards = inwards + self._towards_level(tank.time, dt, level, depth)
+        self._carry_shear(tank, dt, float(np.mean(mean)))
         speed = inwards + self.shear
         if self.wave is not None:
             z = self.grid.axis_points(self.grid.dimension - 1)
@@ -169,7 +208,7 @@ class OpenSide:
             speed = speed + self.sign * float(ramp(middle, self.wave_ramp)) * u
         self.speed = np.where((self.open > 0.0) & (depth > 0.0), speed, 0.0)
 
-    def _carry_shear(self, flow: Flow, dt: float, mean: float) -> None:
+    def _carry_shear(self, tank: Tank, dt: float, mean: float) -> None:
         """Shear goes out with the water at the velocity -mean [m/s], or none comes in with it.
 
         None in front of a relaxation zone: what it leads to the wave has no shear of its own.
@@ -178,12 +217,12 @@ class OpenSide:
             return
         share = -math.expm1(-abs(mean) * dt / self.grid.spacing[0])
         one_in = self.face + (-1 if self.far else 1)
-        inside = self.sign * flow.velocity[0][one_in] if mean < 0.0 else 0.0
-        self.shear = self._off_mean(flow, (1.0 - share) * self.shear + share * inside)
+        inside = self.sign * tank.velocity[0][one_in] if mean < 0.0 else 0.0
+        self.shear = self._off_mean(tank, (1.0 - share) * self.shear + share * inside)
 
-    def _off_mean(self, flow: Flow, u: FloatArray) -> FloatArray:
+    def _off_mean(self, tank: Tank, u: FloatArray) -> FloatArray:
         """What the velocities (rows) differ from their mean over the wet depth; above the surface as just below it."""
-        top = np.where(flow.active[self.cell] > 0, np.arange(u.shape[-1]), 0)
+        top = np.where(tank.active[self.cell] > 0, np.arange(u.shape[-1]), 0)
         u = np.take_along_axis(u, np.maximum.accumulate(top, axis=-1), axis=-1)
         weight = self._wet_rows() * self.open
         wet = weight.sum(axis=-1, keepdims=True)
@@ -194,17 +233,17 @@ class OpenSide:
         pairs = [n for row in self.speed.shape for n in (row, 2)]
         return self.wet.reshape(pairs).mean(axis=tuple(range(1, len(pairs), 2)))
 
-    def rest(self, flow: Flow) -> None:
+    def prepare(self, tank: Tank) -> None:
         """Lets water pass as it moves inside, for the first pressure; what goes out starts with its shear."""
-        self.speed = self.sign * flow.velocity[0][self.face]
-        self.wet = self._wet(self.level(flow))
+        self.speed = self.sign * tank.velocity[0][self.face]
+        self.wet = self._wet(self.level(tank))
         if self.wave is None and float(np.sum(self._wet_rows() * self.open * self.speed)) < 0.0:
-            self.shear = self._off_mean(flow, self.speed)
+            self.shear = self._off_mean(tank, self.speed)
 
-    def level(self, flow: Flow) -> FloatArray:
+    def level(self, tank: Tank) -> FloatArray:
         """Level of the water at the side [m], (ny,) or () in 2D; 0 where dry."""
         n = min(NEAR, self.grid.shape[0])
-        columns = np.nan_to_num(flow.eta[-n:] if self.far else flow.eta[:n])
+        columns = np.nan_to_num(tank.eta[-n:] if self.far else tank.eta[:n])
         return np.asarray(columns.mean(axis=0))
 
     def _wet(self, level: FloatArray) -> FloatArray:
@@ -241,14 +280,14 @@ class OpenSide:
             )
         return grown * self.prescribed["discharge"].at(t) / mean
 
-    def _outgoing(self, flow: Flow, dt: float) -> float:
+    def _outgoing(self, tank: Tank, dt: float) -> float:
         """Elevation of what comes to the zone from inside [m]: that beyond the wave and the level outside."""
         assert self.wave is not None
         first = max(0, min(round(self.long_from / self.grid.spacing[0]), self.grid.shape[0] - NEAR))
-        levels = flow.eta[first : first + NEAR]
+        levels = tank.eta[first : first + NEAR]
         wet = levels[np.isfinite(levels)]
-        known = self.prescribed["level"].at(flow.time) if "level" in self.prescribed else self.wave.depth
-        known += float(ramp(flow.time, self.wave_ramp)) * float(self.wave.elevation(self.long_from, flow.time))
+        known = self.prescribed["level"].at(tank.time) if "level" in self.prescribed else self.wave.depth
+        known += float(ramp(tank.time, self.wave_ramp)) * float(self.wave.elevation(self.long_from, tank.time))
         comes = float(wet.mean()) - known if wet.size else 0.0  # nothing from where all is dry
         time = self.long_from / math.sqrt(max(self.gravity, 1e-12) * self.wave.depth)
         self.outgoing += -math.expm1(-dt / time) * (comes - self.outgoing)
@@ -266,17 +305,161 @@ class OpenSide:
 
     # ---- in the pressure system ----------------------------------------------------------------------------------
 
-    def feed(self, flow: Flow) -> None:
+    def feed(self, tank: Tank) -> None:
         """Adds the flux through the side to the right-hand side of its pressure cells."""
         flux = self.open * self.speed / self.grid.spacing[0]
-        flow.work.rhs[self.cell] += np.where(flow.active[self.cell], flux, 0.0)
+        tank.work.rhs[self.cell] += np.where(tank.active[self.cell], flux, 0.0)
 
-    def impose(self, flow: Flow) -> None:
+    def impose(self, tank: Tank) -> None:
         """Gives the faces their velocity, below and above the surface."""
-        flow.velocity[0][self.face] = self.sign * self.speed
-        flow.work.valid[0][self.face] = 1
+        tank.velocity[0][self.face] = self.sign * self.speed
+        tank.work.valid[0][self.face] = 1
 
-    def power(self, flow: Flow) -> float:
+    def power(self, tank: Tank) -> float:
         """Power of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
-        force = np.where(flow.active[self.cell], flow.pressure[self.cell] * self.open * self.speed, 0.0)
+        force = np.where(tank.active[self.cell], tank.pressure[self.cell] * self.open * self.speed, 0.0)
         return float(force.sum()) * self.area * 2 ** (self.grid.dimension - 1)
+
+    def exchange(self, tank: Tank, dt: float) -> None:
+        slices = _Slices.of(self, dt)
+        _take(tank, self, slices)
+        _let_in(tank, self, slices, dt)
+
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
+
+    def state(self) -> State:
+        return {"shear": self.shear, **{name: np.array(getattr(self, name)) for name in KEPT}}
+
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
+        self.shear = np.array(state["shear"])
+        for name in KEPT:
+            setattr(self, name, float(state[name]))
+
+
+@dataclass
+class _Slices:
+    """What passes each half face in a step, flat over the half faces.
+
+    volume (R,) [m^d], positive in; wet (R,) share of the half face that it fills, up to 1 + THIN; bottom (R,) of the
+    half face [m].
+    """
+
+    volume: FloatArray
+    wet: FloatArray
+    bottom: FloatArray
+
+    @classmethod
+    def of(cls, side: OpenSide, dt: float) -> _Slices:
+        wet = side.wet * side.halves(np.where(side.open > 0.0, 1.0, 0.0))
+        volume = dt * side.area * wet * side.halves(side.open * side.speed)
+        thin = (wet[..., 1:] > 0.0) & (wet[..., 1:] < THIN) & (wet[..., :-1] > 0.0)
+        for values in (volume, wet):
+            values[..., :-1] += np.where(thin, values[..., 1:], 0.0)
+            values[..., 1:][thin] = 0.0
+        bottom = np.broadcast_to(np.arange(wet.shape[-1]) * side.grid.spacing[-1] / 2, wet.shape)
+        return cls(volume.ravel(), wet.ravel(), bottom.ravel())
+
+
+def _near(tank: Tank, side: OpenSide, reach: float) -> tuple[NDArray[np.intp], FloatArray, NDArray[np.intp]]:
+    """Particles within `reach` cells of the side: numbers, distances from it [m], flat numbers of their half faces."""
+    p, h = tank.particles, side.grid.spacing
+    distance = np.abs(p.position[:, 0] - side.x)
+    chosen = np.flatnonzero(distance < reach * h[0])
+    row = np.zeros(len(chosen), np.intp)
+    for a, n in enumerate(side.grid.shape[1:], start=1):
+        half = np.clip((p.position[chosen, a] / (h[a] / 2)).astype(np.intp), 0, 2 * n - 1)
+        row = row * (2 * n) + half
+    return chosen, distance[chosen], row
+
+
+def _take(tank: Tank, side: OpenSide, slices: _Slices) -> None:
+    """Takes out what goes out, first from each row what passes its half face, the rest from any particle nearby."""
+    demand = np.maximum(-slices.volume, 0.0)
+    total = float(demand.sum()) + side.owed
+    if total <= 0.0:
+        return
+    p = tank.particles
+    chosen, distance, row = _near(tank, side, 1.0)
+    order = np.lexsort((distance, row))
+    chosen, distance, row = chosen[order], distance[order], row[order]
+    volume = p.volume[chosen]
+    taken = _first(volume, row, demand[row])
+    rest, left = total - float(taken.sum()), volume - taken
+    if rest > 0.0:
+        nearest = np.argsort(distance, kind="stable")
+        more = np.zeros_like(taken)
+        more[nearest] = _first(left[nearest], np.zeros(len(row), np.intp), np.full(len(row), rest))
+        taken, left = taken + more, left - more
+    gone = left <= 0.0
+    went = float(taken.sum())
+    side.went, side.owed = side.went + went, max(0.0, total - went)
+    strip = side.area * np.maximum(slices.wet[row], THIN)  # its section
+    stopped = distance < EDGE * side.grid.spacing[0]
+    distance = np.where(stopped, left / (2 * strip), distance + taken / (2 * strip))
+    changed = taken > 0.0
+    p.position[chosen[changed], 0] = side.x + side.sign * np.minimum(distance, side.grid.spacing[0])[changed]
+    p.volume[chosen] = np.where(gone, p.volume[chosen], left)
+    keep = np.ones(len(p), bool)
+    keep[chosen[gone]] = False
+    if not keep.all():
+        tank.particles = p.select(keep)
+
+
+def _first(volume: FloatArray, group: NDArray[np.intp], demand: FloatArray) -> FloatArray:
+    """What each gives when those of a group are asked in turn for the demand of the group; groups stand together."""
+    if len(volume) == 0:
+        return volume
+    before = np.cumsum(volume) - volume
+    start = np.flatnonzero(np.concatenate([[True], np.diff(group) != 0]))
+    before = before - np.repeat(before[start], np.diff(np.append(start, len(group))))
+    return np.clip(demand - before, 0.0, volume)
+
+
+def _let_in(tank: Tank, side: OpenSide, slices: _Slices, dt: float) -> None:
+    """Lets in what comes in: to the first particle of each row while that is not full, else as a new one."""
+    rows = np.flatnonzero(slices.volume > 0.0)
+    if len(rows) == 0:
+        return
+    came = slices.volume[rows]
+    h, p = side.grid.spacing, tank.particles
+    position = _middles(side, slices, rows)
+    speed = side.halves(side.speed).ravel()[rows]
+    position[:, 0] = side.x + side.sign * np.maximum(0.5 * speed * dt, 2 * EDGE * h[0])
+    velocity = _velocity(tank, side, position)
+    velocity[:, 0] = side.sign * speed
+
+    chosen, distance, row = _near(tank, side, 0.5)
+    order = np.lexsort((distance, row))
+    first = order[np.concatenate([[True], np.diff(row[order]) != 0])] if len(order) else order
+    there = np.full(len(slices.volume), -1)
+    there[row[first]] = chosen[first]
+    host = there[rows]
+    full = (1.0 + SPARE) * slices.wet[rows] * side.area * h[0] / 2
+    joins = (host >= 0) & (p.volume[host] + came <= full)
+
+    p.join(host[joins], position[joins], velocity[joins], came[joins])
+    tank.particles = p.append(position[~joins], velocity[~joins], came[~joins])
+    side.came += float(came.sum())
+
+
+def _middles(side: OpenSide, slices: _Slices, rows: NDArray[np.intp]) -> FloatArray:
+    """Middles (R, d) of the wet parts of half faces [m]; x is that of the side."""
+    h = side.grid.spacing
+    at = np.full((len(rows), len(h)), side.x)
+    at[:, -1] = slices.bottom[rows] + slices.wet[rows] * h[-1] / 4
+    if len(h) == 3:
+        at[:, 1] = (rows // side.wet.shape[-1] + 0.5) * h[1] / 2
+    return at
+
+
+def _velocity(tank: Tank, side: OpenSide, position: FloatArray) -> FloatArray:
+    """Velocity of the water in the cells at the side, along it, linear between faces; across the side it is left 0."""
+    h, shape = side.grid.spacing, side.grid.shape
+    cell = [np.clip((position[:, a] / h[a]).astype(np.intp), 0, shape[a] - 1) for a in range(1, len(h))]
+    velocity = np.zeros_like(position)
+    for a in range(1, len(h)):
+        u, low = tank.velocity[a][side.cell], tuple(cell)
+        high = tuple(c + 1 if b == a else c for b, c in enumerate(cell, start=1))
+        s = position[:, a] / h[a] - cell[a - 1]
+        velocity[:, a] = (1 - s) * u[low] + s * u[high]
+    return velocity

@@ -1,98 +1,98 @@
 """A vertical wall that moves along x, from floor to lid and across the whole tank: piston wave maker, absorbing wall.
 
-It stands anywhere between the faces of the grid. Of the column of cells that it cuts the share `open` is left: that
-share of its upright faces and of its volume. The faces towards it are closed to the pressure and carry the flux of the
-wall (`driven.Driven`), so that what it sweeps is what the water gives or takes. Particles have mirror images behind it
-where fill and levels are summed, and are kept in front of it; so nothing of the cut column is small. Behind it is no
-water.
+It stands anywhere between the faces of the grid. Of the column of cells that it cuts a share is left: that share of its
+upright faces and of its volume. The faces towards it are closed to the pressure and carry the flux of the wall, so that
+what it sweeps is what the water gives or takes. Particles have mirror images behind it where fill and levels are
+summed, and are kept in front of it; so nothing of the cut column is small. Behind it is no water.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from houle.errors import SimulationError
+from houle.errors import CaseError, SimulationError
+from houle.flow.boundaries import Boundaries, Boundary, Row
+from houle.flow.component import Component, State
 from houle.flow.particles import Particles
-from houle.grid import FloatArray
+from houle.flow.tank import Tank
+from houle.grid import FloatArray, Grid, SingleFaces
 
-if TYPE_CHECKING:
-    from houle.flow.state import Flow
-
-ROOM = 3  # cells between a paddle and the sides of the tank: its mirror images need them
+ROOM = 3  # cells between a paddle and the sides of the tank, or a gate: its mirror images need them
 LEEWAY = 40  # cells in front of a paddle over which the lattice of the particles gives way to it
 SLIVER = 1e-6  # of a cell: what is less of a column is closed
 THIN = 0.02  # of a cell: in a thinner column the velocity is not led on behind the paddle
 CLEARANCE = 1e-9  # cells between a particle and the paddle
 
 
-class Command(Protocol):
-    """What moves a paddle. What a checkpoint needs of it is in `memory`, an array that is changed in place."""
+class Command(Component):
+    """What moves a paddle."""
 
-    memory: FloatArray
-
-    def way(self, flow: Flow, paddle: Paddle, dt: float) -> float:
+    @abstractmethod
+    def way(self, tank: Tank, paddle: Paddle, dt: float) -> float:
         """How far it goes in the step of dt [s] that begins [m]."""
 
-    def notice(self, flow: Flow, paddle: Paddle) -> None:
+    def notice(self, tank: Tank, paddle: Paddle) -> None:
         """Reads the pressure on its face, just found."""
 
 
-class Paddle:
+class Paddle(Boundary):
     """rest, x: position at rest and now [m]; water: +1 where the water is to the right, -1 to the left.
 
     velocity: mean over the present step [m/s]; column, share: number of the cut column, its open share.
     """
 
-    def __init__(self, name: str, rest: float, water: int, command: Command, flow: Flow) -> None:
-        self.name, self.rest, self.water, self.command = name, rest, water, command
-        self.x, self.velocity, self.flow = rest, 0.0, flow
+    def __init__(self, name: str, grid: Grid, rest: float, water: int, command: Command) -> None:
+        self.name, self.grid, self.rest, self.water, self.command = name, grid, rest, water, command
+        self.x, self.velocity = rest, 0.0
         self.way = 0.0  # of the present step [m]
-        flow.particles = flow.particles.select(self._in_front(flow.particles))
-        self.leeway = self._clear() * flow.grid.spacing[0]
-        flow.paddles.append(self)
-        flow.driven.append(self)
-        place(flow)
+        self._cut()
 
-    def _clear(self) -> int:
+    # ---- where it stands -----------------------------------------------------------------------------------------
+
+    def join(self, tank: Tank, boundaries: Boundaries) -> None:
+        """Takes the water behind it out of the tank. CaseError where something else stands behind it, or too near."""
+        h = self.grid.spacing[0]
+        self._refuse(boundaries)
+        gates = [x for boundary in boundaries for x, _ in boundary.gates()]
+        self.ahead = min(gates, key=lambda x: self.water * x, default=None)  # the gate before it [m]
+        low, high = ROOM * h, self.grid.size[0] - ROOM * h
+        if self.ahead is not None:
+            low, high = (low, self.ahead - ROOM * h) if self.water > 0 else (self.ahead + ROOM * h, high)
+        self.between = low, high  # where it may stand [m]
+        if not low <= self.rest <= high:
+            raise CaseError(
+                f"{self.name} at x = {self.rest:g} m needs {ROOM} cells, {ROOM * h:.3g} m, between it and the sides of "
+                f"the tank and any gate, for the mirror images of the water: {low:.4g} <= x <= {high:.4g}"
+            )
+        p = tank.particles
+        tank.particles = p.select(self.water * (p.position[:, 0] - self.x) > 0)
+        self.leeway = self._clear(tank) * h
+
+    def _refuse(self, boundaries: Boundaries) -> None:
+        """CaseError where it would part the tank in two, or where something stands behind it."""
+        for other in boundaries:
+            for _, water in other.images():
+                if other is not self and water == self.water:
+                    end = "left" if water > 0 else "right"
+                    raise CaseError(f"{self.name} and {other.name} both close the water at its {end} end: remove one")
+            for x in (*(x for x, _ in other.images() if other is not self), *(x for x, _ in other.gates())):
+                if self.water * (x - self.rest) <= 0.0:
+                    raise CaseError(f"{other.name} at x = {x:g} m is behind {self.name}, where no water is: remove one")
+
+    def _clear(self, tank: Tank) -> int:
         """Cells in front of it that are like those at its face, LEEWAY at most."""
-        body = self.flow.medium.body.reshape(2 * self.flow.grid.shape[0], -1)[:: self.water]
-        first = round(2.0 * self.rest / self.flow.grid.spacing[0])
+        body = tank.medium.body.reshape(2 * self.grid.shape[0], -1)[:: self.water]
+        first = round(2.0 * self.rest / self.grid.spacing[0])
         ahead = body[first:] if self.water > 0 else body[len(body) - first :]
         other = np.flatnonzero((ahead != ahead[0]).any(axis=1))
         return max(1, min(LEEWAY, (int(other[0]) if len(other) else len(ahead) // 2) // 2))
 
-    def _in_front(self, particles: Particles) -> NDArray[np.bool_]:
-        """Which of the particles stand on its side of the water (N,)."""
-        return self.water * (particles.position[:, 0] - self.x) > 0
-
-    # ---- in the step ---------------------------------------------------------------------------------------------
-
-    def begin(self, dt: float) -> None:
-        """Decides how it moves in the step of dt [s] that begins."""
-        self.way = self.command.way(self.flow, self, dt)
-        self.velocity = self.way / dt
-
-    def advance(self) -> None:
-        """To where it is at the end of the step."""
-        self.x += self.way
-        self.way = 0.0
-        grid = self.flow.grid
-        room = ROOM * grid.spacing[0]
-        if not room <= self.x <= grid.size[0] - room:
-            raise SimulationError(
-                f"{self.name} has gone {abs(self.x - self.rest):.3g} m from where it stands at rest, "
-                f"x = {self.rest:g}, to within {ROOM} cells of the side of the tank",
-                place=(self.x,),
-                diagnosis="A moving wall that absorbs goes as far as the waves take it: give it more room behind.",
-            )
-
-    def close(self) -> None:
-        """Closes faces, as it stands."""
-        flow, at = self.flow, self.x / self.flow.grid.spacing[0]
-        self.node = round(2.0 * at)
+    def _cut(self) -> None:
+        """The column that it cuts where it stands, and what is in front of that and behind it."""
+        at = self.x / self.grid.spacing[0]
         if self.water > 0:
             column = int(np.floor(at + SLIVER))
             self.share = min(1.0, column + 1 - at)
@@ -102,74 +102,104 @@ class Paddle:
             self.share = min(1.0, at - column)
             self.behind, self.face, self.inner = slice(column + 1, None), column + 1, column
         self.column = column
-        across, *along = flow.open_faces
-        across[self.behind] = across[self.face] = 0.0
-        for faces in along:
-            faces[self.behind] = 0.0
-            faces[column] *= self.share
 
-    def outline(self) -> tuple[float, float]:
-        """x [m] and side, as the core knows it."""
-        return self.x, float(self.water)
+    def openness(self, faces: SingleFaces) -> None:
+        across, *along = faces
+        across[self.behind] *= 0.0
+        across[self.face] *= 0.0
+        for others in along:
+            others[self.behind] *= 0.0
+            others[self.column] *= self.share
+
+    def columns(self, share: FloatArray) -> None:
+        share[self.behind] *= 0.0
+        share[self.column] *= self.share
+
+    def images(self) -> Sequence[Row]:
+        return [(self.x, float(self.water))]
+
+    def dry(self, tank: Tank) -> None:
+        """No water behind it."""
+        tank.active[self.behind] = 0
+        tank.eta[self.behind] = np.nan
+
+    # ---- in the step ---------------------------------------------------------------------------------------------
+
+    def begin(self, tank: Tank, dt: float) -> None:
+        self.way = self.command.way(tank, self, dt)
+        self.velocity = self.way / dt
+
+    def feed(self, tank: Tank) -> None:
+        flux = self.water * self.velocity / self.grid.spacing[0]
+        tank.work.rhs[self.column] += tank.active[self.column] * flux
+
+    def impose(self, tank: Tank) -> None:
+        """Led on linearly behind the paddle, so that it is its own velocity where it stands. Reads the pressure."""
+        u, known = tank.velocity[0], tank.work.valid[0]
+        lead = 1.0 / max(self.share, THIN)
+        led = u[self.inner] + lead * (self.velocity - u[self.inner])
+        known[self.face] = known[self.inner] == 1
+        u[self.face] = np.where(known[self.face] == 1, led, self.velocity)
+        self.command.notice(tank, self)
+
+    def power(self, tank: Tank) -> float:
+        flux = self.water * self.velocity * self.grid.cell_volume / self.grid.spacing[0]
+        return flux * float(np.sum(tank.active[self.column] * tank.pressure[self.column]))
+
+    def advance(self, tank: Tank) -> None:
+        self.x += self.way
+        self.way = 0.0
+        self._cut()
+        if not self.between[0] <= self.x <= self.between[1]:
+            raise SimulationError(
+                f"{self.name} has gone {abs(self.x - self.rest):.3g} m from where it stands at rest, "
+                f"x = {self.rest:g}, to within {ROOM} cells of the side of the tank or of a gate",
+                place=(self.x,),
+                diagnosis="A moving wall that absorbs goes as far as the waves take it: give it more room.",
+            )
+
+    # ---- when the particles are made anew ------------------------------------------------------------------------
 
     def to_lattice(self, particles: Particles) -> None:
-        """Shifts the particles in front of it so that it stands between two nodes of the lattice, for the remeshing.
-
-        By up to a quarter of a cell at the paddle and less and less in front of it, nothing from `leeway` on.
-        """
-        x, margin = particles.position[:, 0], CLEARANCE * self.flow.grid.spacing[0]
-        gap = self.leeway - np.clip(self.water * (x - self.x), 0.0, self.leeway)
-        x += (self._node_at - self.x) * gap / self.leeway
-        self._keep(x, self._node_at, margin)
+        """By up to a quarter of a cell at the paddle and less and less in front of it, nothing from `_reach` on."""
+        x, reach = particles.position[:, 0], self._reach
+        gap = reach - np.clip(self.water * (x - self.x), 0.0, reach)
+        x += (self._node_at - self.x) * gap / reach
+        self._keep(x, self._node_at)
 
     def from_lattice(self, particles: Particles) -> None:
-        """Back again."""
-        x, margin = particles.position[:, 0], CLEARANCE * self.flow.grid.spacing[0]
-        reach = self.leeway - self.water * (self._node_at - self.x)
+        x = particles.position[:, 0]
+        reach = self._reach - self.water * (self._node_at - self.x)
         gap = reach - np.clip(self.water * (x - self._node_at), 0.0, reach)
         x += (self.x - self._node_at) * gap / reach
-        self._keep(x, self.x, margin)
+        self._keep(x, self.x)
+
+    @property
+    def _reach(self) -> float:
+        """How far in front of it the lattice gives way to it [m]: not beyond a gate, which nothing may pass."""
+        return self.leeway if self.ahead is None else min(self.leeway, abs(self.ahead - self.x))
 
     @property
     def _node_at(self) -> float:
-        return 0.5 * self.node * self.flow.grid.spacing[0]
+        h = self.grid.spacing[0]
+        return 0.5 * round(2.0 * (self.x / h)) * h
 
-    def _keep(self, x: FloatArray, wall: float, margin: float) -> None:
+    def _keep(self, x: FloatArray, wall: float) -> None:
+        margin = CLEARANCE * self.grid.spacing[0]
         if self.water > 0:
             np.maximum(x, wall + margin, out=x)
         else:
             np.minimum(x, wall - margin, out=x)
 
-    def shut(self) -> None:
-        """No water behind it."""
-        self.flow.active[self.behind] = 0
-        self.flow.eta[self.behind] = np.nan
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    # ---- driven faces --------------------------------------------------------------------------------------------
+    def parts(self) -> Mapping[str, Component]:
+        return {"command": self.command}
 
-    def feed(self, flow: Flow) -> None:
-        flow.work.rhs[self.column] += flow.active[self.column] * (self.water * self.velocity / flow.grid.spacing[0])
+    def state(self) -> State:
+        return {**super().state(), "x": np.array(self.x)}
 
-    def impose(self, flow: Flow) -> None:
-        """Led on linearly behind the paddle, so that it is its own velocity where it stands."""
-        u, known = flow.velocity[0], flow.work.valid[0]
-        lead = 1.0 / max(self.share, THIN)
-        led = u[self.inner] + lead * (self.velocity - u[self.inner])
-        known[self.face] = known[self.inner] == 1
-        u[self.face] = np.where(known[self.face] == 1, led, self.velocity)
-
-    def power(self, flow: Flow) -> float:
-        self.command.notice(flow, self)
-        flux = self.water * self.velocity * flow.grid.cell_volume / flow.grid.spacing[0]
-        return flux * float(np.sum(flow.active[self.column] * flow.pressure[self.column]))
-
-
-def place(flow: Flow) -> None:
-    """Openness of faces, and nodes of the lattice, with gates and paddles where they are now."""
-    flow.open_passages()
-    for paddle in flow.paddles:
-        paddle.close()
-    flow.walls = np.array([paddle.outline() for paddle in flow.paddles])
-    left = [paddle.node for paddle in flow.paddles if paddle.water > 0]
-    right = [paddle.node for paddle in flow.paddles if paddle.water < 0]
-    flow.nodes = max(left, default=0), min(right, default=2 * flow.grid.shape[0])
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
+        super().restore(state)
+        self.x = float(state["x"])
+        self._cut()

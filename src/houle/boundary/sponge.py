@@ -1,10 +1,18 @@
-"""Sponges: a linear resistance that grows towards a side of the tank and takes up the waves that go there."""
+"""Sponges: a linear resistance that grows towards a side of the tank and takes up the waves that go there.
+
+It enters the implicit drag with the pressure, and limits no time step.
+"""
 
 from __future__ import annotations
 
+from math import exp, log
+
 import numpy as np
 
+from houle.flow.boundaries import Boundary
 from houle.grid import Faces, FloatArray, Grid
+
+LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 
@@ -41,7 +49,26 @@ def way_length(box: Box, grid: Grid) -> float:
     return min(high[a] - low[a] for a, _ in sides(box, grid.size, min(grid.spacing) / 2))
 
 
-def resist(box: Box, strength: float, grid: Grid, rate: Faces) -> None:
-    """Adds the sponge's rate to the linear resistance of the faces [1/s]: strength times the squared way in."""
-    for axis, r in enumerate(rate):
-        r += strength * way_in(box, grid.points(axis), grid) ** 2
+def damping(group_velocity: float, length: float) -> float:
+    """The largest rate sigma [1/s] of a sponge of this length [m] that grows with the square of the way into it.
+
+    A wave that goes in and comes back keeps exp(-sigma length / (3 c_g)) of its amplitude: LEFT_OVER. Uniform over
+    the depth, it slows water down at the rate sigma and takes half of that from the amplitude, both ways.
+    """
+    return -3 * log(LEFT_OVER) * group_velocity / length
+
+
+def left_over(strength: float, group_velocity: float, length: float) -> float:
+    """Share of the amplitude of a wave that a sponge of this strength [1/s] lets come back: `damping` backwards."""
+    return exp(-strength * length / (3 * group_velocity))
+
+
+class Sponge(Boundary):
+    """Slows the water of a box down at `strength` [1/s] times the square of the way into it."""
+
+    def __init__(self, grid: Grid, box: Box, strength: float, name: str = "sponge") -> None:
+        self.grid, self.box, self.strength, self.name = grid, box, strength, name
+
+    def resist(self, rate: Faces) -> None:
+        for axis, r in enumerate(rate):
+            r += self.strength * way_in(self.box, self.grid.points(axis), self.grid) ** 2

@@ -4,37 +4,40 @@
 
 This is the one place that knows both sides: nothing under flow, medium, boundary, waves or observe reads a table, and
 no table computes. What stands in a tank is built when its flow is (a run builds its flow anew on a higher grid), so
-boundaries and observers are functions of the flow here.
+boundaries and observers are functions here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from houle.boundary import gate, sponge
 from houle.boundary.absorbing import Drive
-from houle.boundary.finite_source import FiniteSource
-from houle.boundary.makers import InternalSource, RelaxationZone, Source, Stream, damping, make_source, source_width
+from houle.boundary.internal_source import FiniteSource, InternalSource, Source, make_source, source_width
 from houle.boundary.open_side import OpenSide, Record
 from houle.boundary.paddle import Paddle
-from houle.boundary.sponge import resist, way_length
+from houle.boundary.relaxation_zone import RelaxationZone
+from houle.boundary.sponge import damping, way_length
 from houle.case.model import Case
 from houle.case.tables.sides import COLUMNS, Open
-from houle.case.tables.tank import Absorber, Porous, Resistance
+from houle.case.tables.tank import Absorber, Gate, Porous, Resistance, Sponge
 from houle.case.tables.waves import Waves
 from houle.data.csv_table import header
 from houle.data.files import require_file
 from houle.data.history import History, read_history
 from houle.errors import CaseError
+from houle.flow.boundaries import Boundary
+from houle.flow.particles import Particles
 from houle.flow.rows import MARGIN
-from houle.flow.setup import Fluid, Gate, Numerics, Setup, TimeControl, Water
-from houle.flow.state import Flow
+from houle.flow.setup import Fluid, Make, Numerics, Setup, TimeControl, Water
 from houle.flow.viscosity import longest_step
 from houle.grid import Grid
+from houle.medium.medium import Medium
 from houle.medium.resistance import LAWS, Pair, from_permeability, inertia_coefficient
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import shape_of
@@ -42,7 +45,6 @@ from houle.observe import Observers
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
-Stand = Callable[[Flow], None]  # stands something in a flow
 LEAST = 2  # rows of the file of an open side
 
 
@@ -62,7 +64,7 @@ def build(case: Case) -> Setup:
         numerics=Numerics(**case.numerics.model_dump()),
         time=TimeControl(case.time.end, case.time.courant, case.time.step, viscous_step(case)),
         no_slip=case.domain.walls.no_slip(d),
-        gates=tuple(Gate(gate.x, gate.speed, gate.start) for gate in case.gate),
+        settles=not case.gate,
         boundaries=tuple(_boundaries(case, wave)),
         observe=partial(Observers, case),
         wave=wave,
@@ -134,18 +136,25 @@ def stated(r: Resistance, period: float) -> dict[str, float]:
 # ---- boundaries --------------------------------------------------------------------------------------------------
 
 
-def _boundaries(case: Case, wave: Wave | None) -> Iterator[Stand]:
-    """What stands the boundaries in a flow: piston, makers and sponges, absorbing walls, open sides."""
-    if case.waves is not None and case.waves.piston is not None and wave is not None:
+def _boundaries(case: Case, wave: Wave | None) -> Iterator[Make]:
+    """What makes the boundaries, in the order of the case: gates, moving walls, open sides, source or zone, sponges."""
+    waves, gravity = case.waves, case.fluid.gravity
+    for plate in case.gate:
+        yield partial(_gate, plate)
+    if waves is not None and waves.piston is not None and wave is not None:
         yield _piston(case, wave)
-    if case.waves is not None or case.sponge:
-        yield _damped(case, wave)
     for absorber in case.absorber:
-        yield partial(_absorber, absorber, wave, case.domain.grid, case.fluid.gravity)
+        yield partial(_absorber, absorber, wave, gravity)
     for side in case.open:
         yield _open_side(case, side, wave)
-    if case.open:
-        yield _streams
+    if waves is not None and waves.piston is None and wave is not None:
+        yield _maker(waves, wave, all(side.side != "left" for side in case.open))
+    for box in case.sponge:
+        yield partial(_sponge, box, wave, gravity)
+
+
+def _gate(table: Gate, grid: Grid, medium: Medium, water: Particles) -> Boundary:
+    return gate.Gate(grid, table.x, table.speed, table.start)
 
 
 def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
@@ -157,14 +166,14 @@ def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
     return law_of(wave, rest, read, waves.ramp_time(), regular=waves.kind == "regular"), read, rest
 
 
-def _piston(case: Case, wave: Wave) -> Stand:
+def _piston(case: Case, wave: Wave) -> Make:
     law, read, rest = law_of_piston(case, wave)
     absorb = case.waves is not None and case.waves.piston is not None and case.waves.piston.absorb
 
-    def stand(flow: Flow) -> None:
-        Paddle("piston", rest, 1, Drive(law, read, flow, absorb), flow)
+    def piston(grid: Grid, medium: Medium, water: Particles) -> Boundary:
+        return Paddle("piston", grid, rest, 1, Drive(law, read, grid, absorb))
 
-    return stand
+    return piston
 
 
 def source_of(table: Waves, wave: Wave) -> Source:
@@ -183,36 +192,31 @@ def make_maker(
     return make_source(source_of(table, wave), table.kind, wave, grid, table.ramp_time(), table.current)
 
 
-def _damped(case: Case, wave: Wave | None) -> Stand:
-    """The maker inside the water, and the resistance of relaxation zone and sponges."""
-    wall = all(side.side != "left" for side in case.open)
-    gravity, waves = case.fluid.gravity, case.waves
+def _maker(waves: Waves, wave: Wave, wall: bool) -> Make:
+    """The maker inside the water; wall: whether the left side of the tank is one."""
 
-    def stand(flow: Flow) -> None:
-        rate = flow.grid.faces()
-        speed = math.sqrt(gravity * float(flow.particles.position[:, -1].max()))  # of long waves
-        if waves is not None and wave is not None:
-            speed = wave.group_velocity
-            if waves.piston is None:
-                maker = make_maker(waves, wave, flow.grid, wall)
-                flow.makers.append(maker)
-                maker.resist(rate)
-        for sponge in case.sponge:
-            length = way_length(sponge.box, flow.grid)
-            resist(sponge.box, sponge.strength or damping(speed, length), flow.grid, rate)
-        if any(r.any() for r in rate):
-            flow.damping = rate
+    def maker(grid: Grid, medium: Medium, water: Particles) -> Boundary:
+        return make_maker(waves, wave, grid, wall)
 
-    return stand
+    return maker
 
 
-def _absorber(table: Absorber, wave: Wave | None, grid: Grid, gravity: float, flow: Flow) -> None:
+def _sponge(table: Sponge, wave: Wave | None, gravity: float, grid: Grid, medium: Medium, water: Particles) -> Boundary:
+    """A sponge as strong as its table says, or as takes up the waves that are made, or long waves."""
+    speed = math.sqrt(gravity * float(water.position[:, -1].max())) if wave is None else wave.group_velocity
+    strength = table.strength or damping(speed, way_length(table.box, grid))
+    return sponge.Sponge(grid, table.box, strength, table.name)
+
+
+def _absorber(
+    table: Absorber, wave: Wave | None, gravity: float, grid: Grid, medium: Medium, water: Particles
+) -> Boundary:
     """A wall that absorbs what reaches it, by the depth of the water there."""
-    rest, water = grid.nearest_face(table.x), 1 if table.side == "left" else -1
-    column = round(rest / grid.spacing[0]) + min(water, 0)
-    depth = float(np.mean(flow.particles.depths(grid)[column]))
+    rest, side = grid.nearest_face(table.x), 1 if table.side == "left" else -1
+    column = round(rest / grid.spacing[0]) + min(side, 0)
+    depth = float(np.mean(water.depths(grid)[column]))
     read = reading_of(wave, depth, gravity, table.period)
-    Paddle(table.name, rest, water, Drive(None, read, flow, True), flow)
+    return Paddle(table.name, grid, rest, side, Drive(None, read, grid, True))
 
 
 def records(table: Open, folder: Path) -> dict[str, Record]:
@@ -237,32 +241,17 @@ def history(table: Open, folder: Path) -> tuple[list[str], History]:
     return list(there), read_history(file, tuple(there.values()), key, LEAST, table.start)
 
 
-def _open_side(case: Case, table: Open, wave: Wave | None) -> Stand:
+def _open_side(case: Case, table: Open, wave: Wave | None) -> Make:
     """An open side; the left one belongs to the wave that a relaxation zone makes."""
     known, waves, gravity = records(table, case.folder), case.waves, case.fluid.gravity
 
-    def stand(flow: Flow) -> None:
-        faces = flow.medium.open_faces[0].astype(float)
+    def open_side(grid: Grid, medium: Medium, water: Particles) -> Boundary:
+        faces = medium.open_faces[0].astype(float)
         far = table.side == "right"
-        side = OpenSide.of(far, known, table.ramp, table.response, gravity, flow.grid, faces, flow.particles)
+        side = OpenSide.of(far, known, table.ramp, table.response, gravity, grid, faces, water)
         if waves is not None and waves.zone is not None and not far:
             side.wave, side.wave_ramp = wave, waves.ramp_time()
             side.long_from = waves.zone.x[1] if waves.kind in ("series", "solitary") else 0.0
-        flow.sides.append(side)
-        flow.driven.append(side)
+        return side
 
-    return stand
-
-
-def _streams(flow: Flow) -> None:
-    """What damps in front of an open side, in its half of the tank, leads towards the flow through that side."""
-    if not flow.damping:
-        return
-    middle = (flow.grid.shape[0] + 1) // 2
-    depths = flow.particles.depths(flow.grid)
-    padded = np.concatenate([depths[:1], depths, depths[-1:]])
-    depths = np.maximum(0.5 * (padded[:-1] + padded[1:]), flow.grid.spacing[-1])  # at the faces along x
-    for side in flow.sides:
-        rate = flow.damping[0].copy()
-        rate[slice(None, middle) if side.far else slice(middle, None)] = 0.0
-        flow.makers.append(Stream(rate, depths, side.passing))
+    return open_side

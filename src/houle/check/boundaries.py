@@ -99,6 +99,10 @@ def _side(s: CrossSection, table: Open, known: dict[str, Record], key: str) -> I
         if common > s.speck:
             text = f"reaches to the open {table.side} side: end it {clear:.3g} m before, in clear water"
             yield Finding("error", body.key, text)
+    for i, gate in enumerate(case.gate):
+        if abs(gate.x - (0.0 if table.side == "left" else case.domain.size[0])) < clear:
+            text = f"= {gate.x:g} m stands in the {NEAR} columns, {clear:.3g} m, over which the open {table.side} side "
+            yield Finding("error", place(("gate", i, "x"), case.__dict__), f"{text}reads its level: move it inwards")
     if "level" in known:
         yield from _level(s, known["level"], key, depth, level)
     speeds = inflow(known, depth)
@@ -249,6 +253,8 @@ def moving_walls_fit(s: CrossSection) -> Iterator[Finding]:
             yield Finding("error", "waves.piston", f": {error}")
         return
     yield from _alone(s, walls)
+    for wall in walls:
+        yield from _beside(s, wall, wave)
     yield from _periods(s)
     for wall in walls:
         found = list(_space(s, wall))
@@ -279,10 +285,29 @@ def _alone(s: CrossSection, walls: list[MovingWall]) -> Iterator[Finding]:
     if case.waves is not None and case.waves.piston is not None and case.waves.current:
         text = f"= {case.waves.current:g} m/s: a piston lets no current through; take waves.source or waves.zone"
         yield Finding("error", "waves.current", text)
-    if case.gate:
-        yield Finding("error", key, "and a [[gate]] cannot stand in one tank: remove one")
     if case.numerics.scheme == "jh2020" or case.numerics.remesh == "paper":
         yield Finding("error", key, 'needs numerics.scheme = "houle" with remesh = "conservative" or "none"')
+
+
+def _beside(s: CrossSection, wall: MovingWall, wave: Wave | None) -> Iterator[Finding]:
+    """No gate and no maker of waves behind it, where no water is, or where it moves."""
+    case, margin = s.case, ROOM * s.grid.spacing[0]
+    for i, gate in enumerate(case.gate):
+        key = place(("gate", i, "x"), case.__dict__)
+        end = wall.span[1] + margin if wall.water > 0 else wall.span[0] - margin
+        if wall.water * (gate.x - wall.rest) <= 0.0:
+            yield Finding("error", key, f"= {gate.x:g} m is behind {wall.key}, where no water is: remove one")
+        elif wall.water * (gate.x - end) < 0.0:
+            text = f"= {gate.x:g} m: {wall.key} moves between {wall.span[0]:.3g} and {wall.span[1]:.3g} m and needs "
+            text += f"{ROOM} cells, {margin:.3g} m, before it for the mirror images of the water: x = "
+            yield Finding("error", key, text + f"{end + wall.water * s.grid.spacing[0]:.4g}, or move the wall")
+    if case.waves is None or case.waves.piston is not None or wave is None:
+        return
+    low, high = reach(case, wave)
+    if (wall.span[1] > low) if wall.water > 0 else (wall.span[0] < high):
+        key = "waves.zone" if case.waves.zone is not None else "waves.source"
+        text = f"makes waves from x = {low:.3g} to {high:.3g} m, but {wall.key} moves between {wall.span[0]:.3g} and "
+        yield Finding("error", key, text + f"{wall.span[1]:.3g} m, and no water is behind it: move one of them")
 
 
 def _periods(s: CrossSection) -> Iterator[Finding]:

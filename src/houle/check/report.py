@@ -10,9 +10,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from houle.boundary.makers import damping, left_over
 from houle.boundary.open_side import CROSSINGS, Record
-from houle.boundary.sponge import sides
+from houle.boundary.sponge import damping, left_over, sides
 from houle.case.build import law_of_piston, records, source_of
 from houle.case.messages import place
 from houle.case.model import Case

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from houle.boundary.makers import LONGEST, SHORTEST, left_out, require_source
+from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
 from houle.boundary.sponge import sides
 from houle.case.build import source_of
 from houle.case.messages import metres, place
@@ -31,7 +31,6 @@ from houle.waves import record
 from houle.waves.dispersion import group_velocity
 from houle.waves.wave import Wave
 
-ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
 LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths of a zone or a sponge: below is a warning
 SHORT = 0.5  # of a zone for periodic waves: below is an error
 NEARBY = 3.0  # depths in front of a piston where the water is to be even

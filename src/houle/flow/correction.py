@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from houle import _core
 from houle.flow.ledger import Ledger
 from houle.flow.motion import book_crossings, crossing, near_crests
@@ -30,17 +32,16 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     share = portion(correction, flow.courant(dt))
     if share == 0.0:
         return
-    g, m, work = flow.grid, flow.medium, flow.work
+    g, m, work, between = flow.grid, flow.medium, flow.work, flow.boundaries
     find_surface(flow)
     _core.pressure_system(
-        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.depth, between.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
     surface = (flow.active, flow.depth, flow.column, flow.eta, flow.fill)
     largest = _core.density_excess(g.core, *surface, m.listed("open_cells"), flow.listed("porosity"), share, work.rhs)
-    if flow.paddles:
-        for paddle in flow.paddles:
-            work.rhs[paddle.column] *= paddle.share
+    if between.column_share is not None:
+        np.multiply(work.rhs, between.column_share[..., None], out=work.rhs)
         largest = float(max(work.rhs.max(), -work.rhs.min()))
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)
     tolerance = max(1e-2 * largest, 1e-9)
@@ -48,12 +49,12 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     ledger.note(correction_iterations=iterations)
     displacement = work.coefficient
     _core.project(
-        g.core, flow.active, flow.depth, flow.open_faces, [], 1.0, work.potential, LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.depth, between.open_faces, [], 1.0, work.potential, LEAST_DEPTH_CORRECTION,
         displacement, work.valid, still=True,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)
     porosity, position = flow.listed("particle_porosity"), flow.particles.position
     before = near_crests(flow, position)
     with crossing(flow, 0.0, 0.0):
-        _core.displace(g.core, displacement, porosity, m.outline, flow.gates, MOST_SHIFT, position, flow.walls)
+        _core.displace(g.core, displacement, porosity, m.outline, between.gates, MOST_SHIFT, position, between.walls)
     book_crossings(flow, before)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from houle import _core
-from houle.boundary.makers import Maker
 from houle.flow.ledger import Ledger
 from houle.flow.state import SPRAY, Flow
 
@@ -43,42 +42,28 @@ def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 
 def make_waves(flow: Flow) -> None:
-    """Accelerations of the wave makers, on top of the viscous ones."""
-    if not flow.makers:
+    """Accelerations by which boundaries push the water, on top of the viscous ones."""
+    pushed = flow.boundaries.pushed
+    if not pushed:
         return
-    if not flow.push:
-        flow.push, flow.pushed = flow.grid.faces(), _touched(flow.makers)
-    for axis, where in flow.pushed.items():
-        flow.push[axis][where] = 0.0
-    for maker in flow.makers:
-        maker.push(flow.time, flow.push)
+    push = flow.boundaries.push(flow.time)
     if flow.extra:
-        for axis, where in flow.pushed.items():
-            flow.extra[axis][where] += flow.push[axis][where]
+        for axis, where in pushed.items():
+            flow.extra[axis][where] += push[axis][where]
     else:
-        flow.extra = flow.push
-
-
-def _touched(makers: list[Maker]) -> dict[int, slice]:
-    """Axes of the faces that any of them pushes, and from which to which along x."""
-    found: dict[int, slice] = {}
-    for maker in makers:
-        for axis, s in maker.touches().items():
-            before = found.get(axis, s)
-            found[axis] = slice(min(before.start, s.start), max(before.stop, s.stop))
-    return found
+        flow.extra = push
 
 
 def drive(flow: Flow, dt: float) -> None:
-    """Velocities of the open sides in the middle of a step of dt [s] that begins now."""
-    for side in flow.sides:
-        side.drive(flow, dt)
+    """Velocities of open sides in the middle of a step of dt [s] that begins now."""
+    for boundary in flow.boundaries:
+        boundary.drive(flow, dt)
 
 
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
     m = flow.medium
-    resists = (m.material, m.materials, flow.damping, flow.listed("energy"), flow.held)
+    resists = (m.material, m.materials, flow.boundaries.damping, flow.listed("energy"), flow.held)
     resistance = resists if flow.resists else ([], None, [], None, [])
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt

@@ -15,6 +15,7 @@ from weakref import ref
 
 import numpy as np
 
+from houle.flow.component import Component, State
 from houle.grid import FloatArray
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class _Clock:
             seconds["ledger"] = seconds.get("ledger", 0.0) + time.perf_counter() - end
 
 
-class Ledger:
+class Ledger(Component):
     """Sums of a run: how long each operation took, what it did to the energy, what was taken and given.
 
     seconds        that each operation took since the process started
@@ -86,7 +87,8 @@ class Ledger:
     def book(self, name: str) -> None:
         """Books what an operation that ends now did to the energy."""
         flow = self.flow
-        if (name == "exchange" and not flow.sides) or (name == "remeshing" and self._counted() is flow.particles):
+        open_sides = flow.boundaries.that("exchange")
+        if (name == "exchange" and not open_sides) or (name == "remeshing" and self._counted() is flow.particles):
             return  # nothing was done
         kinetic, potential = self.kinetic, self.potential
         if name == "transfer":
@@ -122,6 +124,10 @@ class Ledger:
         """What makers, moving walls and open sides gave since the start, less what they took."""
         return self.source_work + self.open_work + self.energy["exchange"]
 
+    def give(self, work: str, energy: float) -> None:
+        """Books energy under one of `WORKS` [m^d m2/s2]."""
+        setattr(self, work, getattr(self, work) + energy)
+
     @property
     def start(self) -> float:
         """Kinetic and potential energy at the start of the run."""
@@ -130,12 +136,12 @@ class Ledger:
     @property
     def inflow(self) -> float:
         """Volume that has come in through open sides [m^d]."""
-        return sum(side.came for side in self.flow.sides)
+        return sum(boundary.came for boundary in self.flow.boundaries)
 
     @property
     def outflow(self) -> float:
         """Volume that has gone out through open sides [m^d]."""
-        return sum(side.went for side in self.flow.sides)
+        return sum(boundary.went for boundary in self.flow.boundaries)
 
     def volume_drift(self) -> float:
         """Water that is there and should not be, as a share of what there was and what came [-]."""
@@ -148,7 +154,7 @@ class Ledger:
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> dict[str, FloatArray]:
+    def state(self) -> State:
         """Every sum since the start of the run, and the notes of the last step; not the seconds."""
         return {
             **{name: np.array(getattr(self, name)) for name in (*WORKS, "volume0", "given")},

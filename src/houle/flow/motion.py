@@ -8,18 +8,36 @@ from contextlib import contextmanager
 import numpy as np
 
 from houle import _core
-from houle.boundary.paddle import place as place_paddles
 from houle.flow.state import Flow
+from houle.flow.surface import find_surface, sort
 from houle.flow.transfer import interpolate
 from houle.grid import FloatArray
 
 
-def move_paddles(flow: Flow) -> None:
+def begin(flow: Flow, dt: float) -> None:
+    """Boundaries at the start of a step of dt [s]: gates stand where they are by now, walls decide where to go."""
+    flow.last_step, flow.step_size = flow.step_size, dt
+    for boundary in flow.boundaries:
+        boundary.begin(flow, dt)
+    if flow.stand():
+        flow.sample_medium()
+        find_surface(flow)
+
+
+def move_walls(flow: Flow) -> None:
     """Moving walls to where they are at the end of the step."""
-    for paddle in flow.paddles:
-        paddle.advance()
-    if flow.paddles:
-        place_paddles(flow)
+    for boundary in flow.boundaries:
+        boundary.advance(flow)
+    flow.stand()
+
+
+def exchange(flow: Flow, dt: float) -> None:
+    """Lets water in and takes water out for a step of dt [s], after the particles have moved."""
+    if not (open_ := flow.boundaries.that("exchange")):
+        return
+    for boundary in open_:
+        boundary.exchange(flow, dt)
+    sort(flow)
 
 
 def settle(flow: Flow) -> None:
@@ -75,7 +93,7 @@ def _move(flow: Flow, dt: float) -> None:
     own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
-        flow.medium.outline, flow.gates, dt, p.position, flow.walls, flow.interfaces,
+        flow.medium.outline, flow.boundaries.gates, dt, p.position, flow.boundaries.walls, flow.interfaces,
     )  # fmt: skip
     book_crossings(flow, before)
 
@@ -84,9 +102,9 @@ def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatAr
     """Particles from `start` with velocities of their own. Without a porosity, a second time: the turn is done, and the
     velocities on the grid are those of this step.
     """
-    position, m = flow.particles.position, flow.medium
+    position, solids, between = flow.particles.position, flow.medium.outline, flow.boundaries
     with crossing(flow, *((dt, 0.0) if porosity is not None else (0.0, dt))):
-        _core.drift(flow.grid.core, start, velocity, porosity, m.outline, flow.gates, dt, position, flow.walls)
+        _core.drift(flow.grid.core, start, velocity, porosity, solids, between.gates, dt, position, between.walls)
 
 
 def arrive(flow: Flow, start: FloatArray, velocity: FloatArray, dt: float) -> None:

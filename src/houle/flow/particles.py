@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
+from houle.flow.component import Component, State
 from houle.grid import FloatArray, Grid
 
 OWN = ("position", "velocity", "volume")  # the columns that every particle has
@@ -53,7 +54,7 @@ class Column:
         return np.full((count, *self.shape), self.new, self.dtype)
 
 
-class Particles:
+class Particles(Component):
     """N particles: position (N, d) [m]; velocity (N, d), Darcy [m/s]; volume (N,) of water [m^d]; declared columns.
 
     The volume of a particle is constant between remeshings, unless water joins it or is taken from it at an open side.
@@ -161,7 +162,7 @@ class Particles:
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> dict[str, FloatArray]:
+    def state(self) -> State:
         """All that a checkpoint needs: every column but those of the place."""
         saved = {name: self._further[name] for name, column in self.declared.items() if column.kind != "place"}
         return {**{name: getattr(self, name) for name in OWN}, **saved}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from houle import _core
-from houle.boundary.open_side import OpenSide
 from houle.errors import SimulationError
 from houle.flow.ledger import Ledger
 from houle.flow.state import SPRAY, Flow
@@ -23,10 +22,18 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     star = [u.copy() for u in flow.velocity] if flow.heavy else []
     own_sides = [_join_sides(flow, axis, faces) for axis, faces in enumerate(flow.medium.shared)]
     _core.pressure_system(
-        core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.velocity, LEAST_DEPTH, *system
+        core,
+        flow.active,
+        flow.depth,
+        flow.boundaries.open_faces,
+        flow.mobility,
+        dt,
+        flow.velocity,
+        LEAST_DEPTH,
+        *system,
     )
-    for plane in flow.driven:
-        plane.feed(flow)
+    for boundary in flow.boundaries:
+        boundary.feed(flow)
     work.solver.setup(flow.active, work.coefficient, work.dirichlet)
     iterations, residual = work.solver.solve(work.rhs, flow.pressure, tolerance, 200)
     ledger.note(pressure_iterations=iterations, divergence=residual * dt)
@@ -39,13 +46,13 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
             "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
-        core, flow.active, flow.depth, flow.open_faces, flow.mobility, dt, flow.pressure, LEAST_DEPTH,
+        core, flow.active, flow.depth, flow.boundaries.open_faces, flow.mobility, dt, flow.pressure, LEAST_DEPTH,
         flow.velocity, work.valid,
     )  # fmt: skip
     for axis, (faces, side) in enumerate(zip(flow.medium.shared, own_sides, strict=True)):
         _part_sides(flow, axis, faces, side)
-    for plane in flow.driven:
-        plane.impose(flow)
+    for boundary in flow.boundaries:
+        boundary.impose(flow)
     own = [u.ravel()[where] for u, (where, *_) in zip(flow.velocity, flow.edges, strict=False)]
     _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
     _carry_changes(flow, star)
@@ -72,7 +79,7 @@ def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) 
     """After the projection: shared faces have that of the medium at the centre again, moved by the same pressure."""
     u, mobility = flow.velocity[axis].ravel(), flow.mobility[axis].ravel()
     own, own_mobility, joint, joint_mobility = before
-    now, closed = u[faces.face], flow.open_faces[axis].ravel()[faces.face] == 0.0
+    now, closed = u[faces.face], flow.boundaries.open_faces[axis].ravel()[faces.face] == 0.0
     u[faces.face] = np.where(closed, now, own + own_mobility / joint_mobility * (now - joint))
     mobility[faces.face] = own_mobility
 
@@ -112,21 +119,19 @@ def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:
 
 
 def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
-    """What drag and sponges took in this step, and what wave makers and open sides gave."""
-    core, m, mass = flow.grid.core, flow.medium, flow.work.face_mass
+    """What drag and sponges took in this step, and what the boundaries gave."""
+    core, m, mass, boundaries = flow.grid.core, flow.medium, flow.work.face_mass, flow.boundaries
     change = (mass, flow.mobility, flow.old_velocity, flow.velocity)
     if flow.porous:
         ledger.drag_work += _core.drag_work(core, m.material, m.materials, [], *change)
-    if flow.damping:
+    if boundaries.damping:
         without = m.materials * [1.0, 0.0, 0.0]  # of what the bodies resist
-        ledger.sponge_work += _core.drag_work(core, m.material, without, flow.damping, *change)
-    for axis, where in flow.pushed.items():
-        weight, f, u0, u1 = (field[axis][where] for field in (mass, flow.push, flow.old_velocity, flow.velocity))
+        ledger.sponge_work += _core.drag_work(core, m.material, without, boundaries.damping, *change)
+    for axis, where in boundaries.pushed.items():
+        fields = (mass, boundaries.pushes, flow.old_velocity, flow.velocity)
+        weight, f, u0, u1 = (field[axis][where] for field in fields)
         inertia = m.materials[m.material[axis][where], 0] if m.material else 1.0
         share = inertia * flow.mobility[axis][where] if flow.resists else dt
         ledger.source_work += float(np.sum(weight * share * f * (u0 + u1))) / 2
-    for plane in flow.driven:
-        if isinstance(plane, OpenSide):
-            ledger.open_work += dt * plane.power(flow)
-        else:
-            ledger.source_work += dt * plane.power(flow)
+    for boundary in boundaries:
+        ledger.give(boundary.work, dt * boundary.power(flow))

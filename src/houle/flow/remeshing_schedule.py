@@ -14,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
+from houle.flow.component import Component, State
 from houle.flow.remeshers import Remesher, handed_on
 from houle.flow.state import SPRAY, Flow
 from houle.flow.transfer import Transfer
 from houle.grid import FloatArray, widened
 
 
-class Remeshing:
+class Remeshing(Component):
     """Calls a remesher every `every` steps, once water has moved on by `travel` cells (`Remesher.travel`).
 
     count      steps since the last remeshing
@@ -29,6 +30,8 @@ class Remeshing:
     What counts is how far water is from where it was, not the length of its way: waves whose orbits are small beside a
     cell carry the particles to and fro and leave them in order (docs/decisions/0009, 0010).
     """
+
+    on_rows = ("travelled",)
 
     def __init__(self, remesher: Remesher, every: int) -> None:
         self.remesher, self.every, self.travel = remesher, every, remesher.travel
@@ -60,25 +63,25 @@ class Remeshing:
         """Replaces the particles; the columns and marks that go with the water are handed on with it."""
         old, porosity = flow.particles, flow.porosity if flow.porous else None
         marks = [crest.marks(old.position) for crest in flow.crests]
-        where = (porosity, flow.nodes, flow.gates)
+        where = (porosity, flow.boundaries.nodes, flow.boundaries.gates)
         flow.drop_work()
-        for paddle in flow.paddles:
-            paddle.to_lattice(old)
+        for boundary in flow.boundaries:
+            boundary.to_lattice(old)
         new = self.remesher(old, *where)
         if new is not old:
             for name in old.of_kind("water"):
                 new[name][...] = handed_on(self.remesher, old, old[name], *where)
         handed = [None if mark is None else handed_on(self.remesher, old, mark, *where) for mark in marks]
-        for paddle in flow.paddles:
-            paddle.from_lattice(new)
-        if flow.paddles:
+        for boundary in flow.boundaries:
+            boundary.from_lattice(new)
+        if flow.boundaries.walls is not None:
             _core.leave_solids(flow.grid.core, flow.medium.outline, new.position)
         for crest, shares in zip(flow.crests, handed, strict=True):
             if shares is not None:
                 crest.handed(new.position, new.volume, shares)
         flow.particles = new
 
-    def state(self) -> dict[str, NDArray[Any]]:
+    def state(self) -> State:
         """When the last remeshing was, and how far water has moved since on each axis."""
         ways = {f"travelled.{axis}": way for axis, way in enumerate(self.travelled)}
         return {"count": np.array(self.count), **ways}

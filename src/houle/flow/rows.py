@@ -10,9 +10,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from houle import _core
 from houle.grid import Grid
 
@@ -39,8 +36,3 @@ def more_rows(flow: Flow, most: int) -> int:
     if rows == most or not _core.water_above(flow.grid.core, flow.fill, rows - HEADROOM):
         return rows
     return min(most, max(rows + MARGIN, math.ceil(GROWTH * rows)))
-
-
-def raised(values: NDArray, rows: int) -> NDArray:
-    """A field on cells or faces with so many more rows of `values`' kind above, empty."""
-    return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, rows)])

@@ -11,7 +11,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
+from houle.flow.boundaries import Boundary
+from houle.flow.particles import Particles
 from houle.grid import Grid
+from houle.medium.medium import Medium
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import Shape
 from houle.observe import Observers
@@ -19,6 +22,8 @@ from houle.waves.wave import Wave
 
 if TYPE_CHECKING:
     from houle.flow.state import Flow
+
+Make = Callable[[Grid, Medium, Particles], Boundary]  # of the grid of a flow, the medium, the water at the start
 
 WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
 SHORTEST = 1e-6  # of sqrt(h/g), the time in which a cell falls by itself: a flow that asks for shorter steps is none
@@ -84,15 +89,6 @@ class TimeControl:
 
 
 @dataclass(frozen=True)
-class Gate:
-    """A thin plate across the tank at x [m] whose lower edge rises at `speed` [m/s] from the time `start` [s]."""
-
-    x: float
-    speed: float
-    start: float = 0.0
-
-
-@dataclass(frozen=True)
 class Setup:
     """Everything a simulation needs to build its flow.
 
@@ -102,8 +98,8 @@ class Setup:
     bodies      porous bodies; where two overlap, the later one holds
     solids      impermeable shapes, one for each body of the case
     no_slip     per axis, last up: whether the low and the high wall hold the water back along them
-    gates       lifting gates
-    boundaries  functions that stand one kind of boundary each in a flow, in this order
+    settles     whether water beside upright interfaces is seeded as flow leaves it (`Medium`): not where gates stand
+    boundaries  functions that make one boundary each, in this order
     observe     function that places what is observed in a flow
     wave        the wave that is made, None without
     """
@@ -118,6 +114,6 @@ class Setup:
     bodies: tuple[PorousBody, ...] = ()
     solids: tuple[Shape, ...] = ()
     no_slip: tuple[tuple[bool, bool], ...] | None = None
-    gates: tuple[Gate, ...] = ()
-    boundaries: tuple[Callable[[Flow], None], ...] = ()
+    settles: bool = True
+    boundaries: tuple[Make, ...] = ()
     wave: Wave | None = None

@@ -9,25 +9,28 @@ import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from numbers import Real
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
-from houle.boundary.paddle import place
 from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
+from houle.flow.component import Component, State, raised, under
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
+from houle.flow.motion import begin
 from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS
 from houle.flow.remeshing_schedule import Remeshing
-from houle.flow.rows import more_rows, raised
+from houle.flow.rows import more_rows
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
 from houle.flow.snapshot import Snapshot
 from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
-from houle.flow.surface import arrange, find_surface
+from houle.flow.surface import arrange
 from houle.flow.transfer import TRANSFERS
 from houle.grid import FloatArray, axes
 from houle.medium.columns import Storage
@@ -36,10 +39,8 @@ from houle.observe import Profile, at_points
 from houle.observe.held import water_held
 from houle.waves.wave import Wave
 
-GRID_STATE = ("pressure", "psi", "face_velocity", "remeshing.travelled", "open_shear")  # state() on cells and faces
 
-
-class Simulation:
+class Simulation(Component):
     """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation.
 
     `grid` is that of the domain and of the results; the flow has its lowest rows (rows.py).
@@ -49,8 +50,7 @@ class Simulation:
         if threads:
             _core.set_threads(threads)
         self.setup, self.grid = setup, setup.grid
-        self.time, self.steps = 0.0, 0
-        self.step_size = 0.0
+        self.steps = 0
         self._build(setup.rows)
         self.ledger = Ledger(self.flow)
         prepare(self.flow, self.step.transfer, self.ledger)
@@ -62,24 +62,32 @@ class Simulation:
             self.__dict__.pop(kept, None)
         setup, grid = self.setup, self.grid.lowest(rows)
         fluid, numerics = setup.fluid, setup.numerics
-        self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=not setup.gates)
+        self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=setup.settles)
         water = seed(grid, self.medium, [w.shape for w in setup.water])
         _set_off(setup.water, water)
         self.flow = Flow(
             grid, self.medium, water, gravity=fluid.acceleration,
             kernel=numerics.kernel, tolerance=numerics.tolerance,
             viscosity=fluid.viscosity, smagorinsky=fluid.smagorinsky, no_slip=setup.no_slip,
+            boundaries=[make(grid, self.medium, water) for make in setup.boundaries],
         )  # fmt: skip
         transfer = TRANSFERS[numerics.transfer].of(order=numerics.order, flip=numerics.flip)
         remeshing = Remeshing(REMESHERS[numerics.remesh].of(grid, self.medium), numerics.remesh_every)
         self.flow.particles.declare(*transfer.columns(grid.dimension))
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
-        for stand in setup.boundaries:
-            stand(self.flow)
-        self._place_gates()
         arrange(self.flow)
         self.observers = setup.observe(self.flow)
         self.budget = Budget(self.flow)
+
+    @property
+    def time(self) -> float:
+        """Time of the particles [s]."""
+        return self.flow.time
+
+    @property
+    def step_size(self) -> float:
+        """Length of the last step [s], 0 before the first."""
+        return self.flow.step_size
 
     @property
     def wave(self) -> Wave | None:
@@ -110,19 +118,13 @@ class Simulation:
         self._make_room()
         remaining, largest = stop - self.time, self._largest_step()
         count = max(1, math.ceil(remaining / largest - 1e-9))
-        last, self.step_size = self.step_size, remaining / count
-        if self._place_gates():
-            self.flow.sample_medium()  # of the faces that particles see beside the gate as it stands now
-            find_surface(self.flow)
-        self.flow.time = self.time
-        self.flow.last_step = last
-        for paddle in self.flow.paddles:
-            paddle.begin(self.step_size)
+        dt = remaining / count
+        begin(self.flow, dt)
         try:
-            self.step.advance(self.flow, self.step_size, last, self.ledger)
+            self.step.advance(self.flow, dt, self.ledger)
             self.ledger.close()
-            self.observers.after_step(self.step_size)
-            self.time = stop if count == 1 else self.time + self.step_size
+            self.observers.after_step(dt)
+            self.flow.time = stop if count == 1 else self.time + dt
             self.steps += 1
             self._check(largest)
         except SimulationError as error:
@@ -133,8 +135,7 @@ class Simulation:
         """More rows of cells before the water comes near to the uppermost."""
         more = more_rows(self.flow, self.grid.shape[-1]) - self.flow.grid.shape[-1]
         if more:
-            state = self.state()
-            self.restore({k: raised(v, more) if k.startswith(GRID_STATE) else v for k, v in state.items()})
+            self.restore(self.raised(self.state(), more))
 
     def _largest_step(self) -> float:
         """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold.
@@ -154,27 +155,6 @@ class Simulation:
             return control.step
         crossed = min(1.0 / cells, WAVE_SHARE * math.sqrt(self.grid.spacing[-1] / gravity))
         return min(control.courant * crossed, control.viscous)
-
-    def _place_gates(self) -> bool:
-        """Closes the faces that the gates cover at the present time, and says whether one has moved. Their lower edges
-        stand on the nearest grid line.
-
-        Through a face that is a little open the pressure would drive the water of a whole cell, which cannot pass.
-        """
-        flow, gates = self.flow, self.setup.gates
-        if not gates:
-            return False
-        h, up = self.grid.spacing, self.grid.dimension - 1
-        rows = []
-        for gate in gates:
-            bottom = max(0.0, (self.time - gate.start) * gate.speed)
-            rows.append((round(gate.x / h[0]) * h[0], math.floor(bottom / h[up] + 0.5) * h[up]))
-        moved = flow.place_gates(np.array(rows))
-        if flow.paddles:
-            place(flow)
-        else:
-            flow.open_passages()
-        return moved
 
     def _check(self, largest: float) -> None:
         """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
@@ -245,24 +225,14 @@ class Simulation:
 
     def _mean_level(self) -> float:
         """The levels of the columns, and what those hold that have none: steep, overhanging, beside interfaces."""
-        return self._storage.mean_level(self.flow.eta, self._between_walls(), water_held(self.flow))
+        return self._storage.mean_level(self.flow.eta, self.flow.boundaries.column_share, water_held(self.flow))
 
     def _potential_energy(self) -> float:
         """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
         *along, down = self.flow.gravity
         if self.wave is None or any(along):
             return self.ledger.potential
-        return -down * self._storage.height_moment(self.flow.eta, self._between_walls())
-
-    def _between_walls(self) -> FloatArray | None:
-        """Share of each column of cells that is between the moving walls, grid.shape[:-1]; None without any."""
-        flow = self.flow
-        if not flow.paddles:
-            return None
-        share = np.ones(self.grid.shape[:-1])
-        for paddle in flow.paddles:
-            share[paddle.behind], share[paddle.column] = 0.0, paddle.share
-        return share
+        return -down * self._storage.height_moment(self.flow.eta, self.flow.boundaries.column_share)
 
     @cached_property
     def _storage(self) -> Storage:
@@ -297,63 +267,24 @@ class Simulation:
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
-    def state(self) -> dict[str, FloatArray]:
-        """Everything the next step depends on."""
-        flow = self.flow
-        return {
-            "time": np.array(self.time),
-            "steps": np.array(self.steps),
-            "step_size": np.array(self.step_size),
-            **_under("remeshing", self.step.remeshing.state()),
-            **_under("ledger", self.ledger.state()),
-            **self.particles.state(),
-            "pressure": flow.pressure,
-            "psi": flow.psi,
-            **{f"face_velocity.{a}": u for a, u in enumerate(flow.velocity)},
-            **{f"open.{i}": side.state for i, side in enumerate(flow.sides)},
-            **{f"open_shear.{i}": side.shear for i, side in enumerate(flow.sides)},
-            **{f"paddle.{i}.x": np.array(p.x) for i, p in enumerate(flow.paddles)},
-            **{f"paddle.{i}.memory": p.command.memory.copy() for i, p in enumerate(flow.paddles)},
-            **self.observers.state(),
-        }
+    def parts(self) -> Mapping[str, Component]:
+        return {"flow": self.flow, "step": self.step, "ledger": self.ledger, "observers": self.observers}
 
-    def restore(self, state: dict[str, FloatArray]) -> None:
-        """Goes on from a state() of the same case, bitwise as if it had never stopped."""
-        rows = state["pressure"].shape[-1]
+    def state(self) -> State:
+        return {**super().state(), "steps": np.array(self.steps)}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from a `state` of the same setup, bitwise as if it had never stopped."""
+        rows = state["flow/pressure"].shape[-1]
         if rows != self.flow.grid.shape[-1]:
             del self.flow, self.medium, self.step, self.observers, self.ledger.flow  # first, for the memory
             self._build(rows)
             self.ledger.flow = self.flow
-        flow = self.flow
-        self.time, self.steps = float(state["time"]), int(state["steps"])
-        self.step_size = float(state["step_size"])
-        self.step.remeshing.restore(_part(state, "remeshing"))
-        flow.particles.restore(state)
-        flow.pressure[...], flow.psi[...] = state["pressure"], state["psi"]
-        for a, u in enumerate(flow.velocity):
-            u[...] = state[f"face_velocity.{a}"]
-        for i, side in enumerate(flow.sides):
-            side.state = state[f"open.{i}"]
-            side.shear = np.array(state[f"open_shear.{i}"])
-        self.observers.restore(state)
-        for i, paddle in enumerate(flow.paddles):
-            paddle.x = float(state[f"paddle.{i}.x"])
-            paddle.command.memory[...] = state[f"paddle.{i}.memory"]
-        if flow.paddles:
-            place(flow)
-        self._place_gates()
-        arrange(flow)
-        self.ledger.restore(_part(state, "ledger"))
-
-
-def _under(name: str, state: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """The state of a component by the names that it has in that of the simulation."""
-    return {f"{name}.{key}": values for key, values in state.items()}
-
-
-def _part(state: Mapping[str, FloatArray], name: str) -> dict[str, FloatArray]:
-    """The state of a component, by its own names, out of that of the simulation."""
-    return {key.removeprefix(f"{name}."): values for key, values in state.items() if key.startswith(f"{name}.")}
+        self.steps = int(state["steps"])
+        self.flow.restore(under("flow", state))
+        arrange(self.flow)  # the ledger sums the energy of the particles in this order
+        for name in ("step", "ledger", "observers"):
+            self.parts()[name].restore(under(name, state))
 
 
 def _set_off(water: Iterable[Water], particles: Particles) -> None:

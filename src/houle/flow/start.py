@@ -15,8 +15,8 @@ def prepare(flow: Flow, transfer: Transfer, ledger: Ledger) -> None:
     dt = 1e-3 * float(min(flow.grid.spacing)) ** 0.5  # s; the pressure does not depend on it
     arrange(flow)
     transfer.to_grid(flow)
-    for side in flow.sides:
-        side.rest(flow)
+    for boundary in flow.boundaries:
+        boundary.prepare(flow)
     apply_forces(flow, dt)
     project(flow, dt, ledger)
     for u in flow.velocity:

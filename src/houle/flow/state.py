@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.boundary.makers import Maker
-from houle.boundary.open_side import OpenSide
-from houle.boundary.protocol import Driven
+from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.component import Component, State
 from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column, Particles
-from houle.flow.remeshers import EVERYWHERE
 from houle.flow.seeding import column_pores, seed_slabs
+from houle.flow.tank import Tank
 from houle.flow.viscosity import REACH, Smoothing
 from houle.flow.workspace import Workspace
 from houle.grid import Faces, FloatArray, Grid, spread, widened
@@ -26,7 +26,6 @@ from houle.medium.medium import Medium
 from houle.medium.shapes import Box
 
 if TYPE_CHECKING:
-    from houle.boundary.paddle import Paddle
     from houle.flow.crest import Crest
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
@@ -35,8 +34,9 @@ AROUND = 4  # cells beside a gate in which the water counts that its columns can
 LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
 
 
-class Flow:
-    """Particles on a grid in a medium. Arrays are reused from step to step; those of the particles grow if needed.
+class Flow(Tank):
+    """Water in a tank between its boundaries, with the numbers of the method. Arrays are reused from step to step;
+    those of the particles grow if needed.
 
     After each operation of `step.py` the names below hold what their comments say.
     """
@@ -53,9 +53,9 @@ class Flow:
         viscosity: float = 0.0,
         smagorinsky: float = 0.0,
         no_slip: tuple[tuple[bool, bool], ...] | None = None,
+        boundaries: Sequence[Boundary] = (),
     ) -> None:
-        self.grid, self.medium, self.particles = grid, medium, particles
-        self.gravity = tuple(float(g) for g in gravity)
+        super().__init__(grid, medium, particles, gravity)
         self.kernel = kernel
         self.tolerance = tolerance  # max |div u_d| dt left by the projection
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
@@ -65,45 +65,52 @@ class Flow:
 
         g = grid
         self.inverse_capacity = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
-        self.fill = g.cells()  # water volume / pore volume, tent-smoothed
-        self.depth = g.cells()  # of the cell centre below the free surface [cells]
-        self.active = np.zeros(g.shape, np.uint8)  # cells whose centre is under water
-        self.eta = np.zeros(g.shape[:-1])  # level of the free surface [m], NaN where dry
         self.height = np.zeros(g.shape[:-1])  # of the water standing in each column, without pores [m]
         self.level = np.zeros(g.shape[:-1])  # to which its water fills each column [m]
-        self.mixed = Capacity.of(grid, medium)  # of the columns with interfaces or solids
         self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN
-        self.velocity = g.faces()  # Darcy velocity [m/s]
-        self.old_velocity = g.faces()  # before the forces; until then the transfer and the viscosity work in it
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
         self.nu = g.cells() if smagorinsky > 0.0 else None  # kinematic viscosity with the eddies' [m2/s]
-        self.pressure = g.cells()  # p / rho [m2/s2]
         self.psi = np.zeros(g.shape, np.float32)  # first guess of the potential of the position correction [m2]
         self.extra: Faces = []  # further accelerations on the faces [m/s2], for the next forces; empty: none
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
-        self.gates = np.zeros((0, 2))  # x [m], lower edge [m]
-        self.interfaces = medium.interfaces  # of the medium, and the gates
-        self.time = 0.0  # of the positions [s]
-        self.last_step = 0.0  # [s]
         self.fastest = [0.0] * grid.dimension  # largest |u_d| / n along each axis, of an arranged flow [m/s]
-        self.kick = 1.0  # over which the last forces changed old_velocity into velocity [s]
-        self.sides: list[OpenSide] = []  # through which water comes and goes; also among the driven
-        self.makers: list[Maker] = []  # of waves
-        self.paddles: list[Paddle] = []  # moving walls; they are among `driven` too
-        self.walls: FloatArray | None = None  # their places x [m] and sides, one row each
-        self.nodes = EVERYWHERE  # of the lattice of the particles along x, between paddles
-        self.driven: list[Driven] = []  # faces of prescribed velocity: moving walls, open sides
         self.crests: list[Crest] = []  # sections that book what crosses them
         self.held = [np.zeros(u.shape, np.uint8) for u in self.velocity] if self.porous else []  # by pressure: faces
-        self.push: Faces = []  # their accelerations [m/s2]
-        self.pushed: dict[int, slice] = {}  # axes of the faces that they push, and which along x
-        self.damping: Faces = []  # linear resistance of sponges and relaxation zones [1/s]; empty: none
-        self.open_faces = medium.open_faces  # replaced by copies where gates close some
-
         self.start = np.zeros(math.prod(g.shape) + 1, np.int32)
-        self.work = Workspace(grid, len(particles))
-        self.measure_capacity()
         self._declare_columns()
+        self.enclose(boundaries)
+
+    # ---- checkpoints ---------------------------------------------------------------------------------------------
+
+    on_rows = ("pressure", "psi", "velocity")
+
+    def parts(self) -> Mapping[str, Component]:
+        return {"particles": self.particles, "boundaries": self.boundaries}
+
+    def state(self) -> State:
+        own = {"time": np.array(self.time), "step_size": np.array(self.step_size)}
+        velocity = {f"velocity.{axis}": u for axis, u in enumerate(self.velocity)}
+        return {**super().state(), **own, **velocity, "pressure": self.pressure, "psi": self.psi}
+
+    def restore(self, state: Mapping[str, NDArray[Any]]) -> None:
+        """Goes on from a `state`; the particles have to be arranged before the next step."""
+        super().restore(state)
+        self.time, self.step_size = float(state["time"]), float(state["step_size"])
+        self.pressure[...], self.psi[...] = state["pressure"], state["psi"]
+        for axis, u in enumerate(self.velocity):
+            u[...] = state[f"velocity.{axis}"]
+        self.stand()
+
+    # ---- boundaries ----------------------------------------------------------------------------------------------
+
+    def enclose(self, boundaries: Sequence[Boundary]) -> None:
+        """Puts the boundaries around the water and in it; those that stood there before are gone."""
+        self.boundaries = Boundaries(self, boundaries)
+        self.interfaces, self.mixed = self.medium.interfaces, Capacity.of(self.grid, self.medium)
+        self.measure_capacity()
+        if len(self.boundaries.gates):
+            self.whole_capacity, self.whole_mixed = self.inverse_capacity.copy(), self.mixed
+            self._part_at_gates()
         self.sample_medium()
 
     @property
@@ -114,7 +121,7 @@ class Flow:
     @property
     def resists(self) -> bool:
         """Whether anything resists the flow, bodies or sponges."""
-        return self.porous or bool(self.damping)
+        return self.porous or bool(self.boundaries.damping)
 
     @property
     def mobility(self) -> Faces:
@@ -183,34 +190,27 @@ class Flow:
         """Those cells, and all that touch one."""
         return np.ascontiguousarray(spread(self.at_interface, self.grid.periodic), np.uint8)
 
-    def place_gates(self, gates: FloatArray) -> bool:
-        """Stands gates (K, 2) where they are now: x [m] and lower edge [m], on grid lines. Returns whether one moved:
-        then the surface is another beside it.
+    def stand(self) -> bool:
+        """Finds anew what follows from where the boundaries stand. Returns whether a gate has moved: then the surface
+        beside it is another, and so are the faces that particles see.
         """
-        if np.array_equal(gates, self.gates):
-            return False
-        if not len(self.gates):
-            self.whole_capacity, self.whole_mixed = self.inverse_capacity.copy(), self.mixed
-        self.gates, self.mixed = gates, self.whole_mixed.between_gates(self.grid, self.medium, gates)
+        moved = self.boundaries.stand()
+        if moved:
+            self._part_at_gates()
+        return moved
+
+    def _part_at_gates(self) -> None:
+        """Interfaces, and what columns and tents beside the gates can hold, with the gates where they stand."""
+        gates = self.boundaries.gates
+        self.mixed = self.whole_mixed.between_gates(self.grid, self.medium, gates)
         self.interfaces = Interfaces.with_gates(self.grid, gates, self.medium.interfaces)
         self.inverse_capacity[...] = self.whole_capacity
         h, size = self.grid.spacing, self.grid.size
         for x, _ in gates:
             near = max(0.0, x - AROUND * h[0]), min(size[0], x + AROUND * h[0])
-            capacity = self._inverse_capacity(Box((near[0], *(0.0,) * (len(h) - 1)), (near[1], *size[1:])))
+            around = Box((near[0], *(0.0,) * (len(h) - 1)), (near[1], *size[1:]))
             beside = slice(round(x / h[0]) - 1, round(x / h[0]) + 1)
-            self.inverse_capacity[beside] = capacity[beside]
-        return True
-
-    def open_passages(self) -> None:
-        """Openness of the faces: that of the medium, in arrays of their own, less what the gates cover."""
-        if self.open_faces[0] is self.medium.open_faces[0]:
-            self.open_faces = [faces.copy() for faces in self.medium.open_faces]
-        for faces, whole in zip(self.open_faces, self.medium.open_faces, strict=True):
-            faces[...] = whole
-        h = self.grid.spacing
-        for x, bottom in self.gates:
-            self.open_faces[0][round(x / h[0])][..., round(bottom / h[-1]) :] = 0.0
+            self.inverse_capacity[beside] = self._inverse_capacity(around, gates)[beside]
 
     def measure_capacity(self) -> None:
         """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
@@ -220,14 +220,14 @@ class Flow:
         """
         self.inverse_capacity[...] = self._inverse_capacity(Box((0.0,) * self.grid.dimension, self.grid.size))
 
-    def _inverse_capacity(self, box: Box) -> FloatArray:
-        """1 / what the tents hold of the water in a box [1/m^d]."""
+    def _inverse_capacity(self, box: Box, gates: FloatArray | None = None) -> FloatArray:
+        """1 / what the tents hold of the water in a box between gates, None: there are none [1/m^d]."""
         core, start = self.grid.core, np.zeros_like(self.start)
         capacity, part, inverse = self.grid.cells(), self.grid.cells(), self.grid.cells()
         for flood in seed_slabs(self.grid, self.medium, [box]):
             order, cell = np.zeros(len(flood), np.int32), np.zeros(len(flood), np.int32)
             _core.cell_sort(core, flood.position, cell, order, start)
-            _core.scatter_cells(core, start, flood.position[order], flood.volume[order], part, gates=self.gates)
+            _core.scatter_cells(core, start, flood.position[order], flood.volume[order], part, gates=gates)
             capacity += part
         least = 1e-9 * self.grid.cell_volume
         np.divide(1.0, capacity, out=inverse, where=capacity > least)

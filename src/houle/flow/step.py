@@ -6,14 +6,15 @@ the pore velocity u_d / n, the free surface is where the water is and not where 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from houle.boundary.exchange import exchange
+from houle.flow.component import Component
 from houle.flow.correction import correct_positions
 from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, viscosity
 from houle.flow.ledger import Ledger
-from houle.flow.motion import arrive, drift, move, move_paddles, settle
+from houle.flow.motion import arrive, drift, exchange, move, move_walls, settle
 from houle.flow.projection import project
 from houle.flow.remeshing_schedule import Remeshing
 from houle.flow.state import Flow
@@ -22,7 +23,7 @@ from houle.flow.transfer import Transfer
 
 
 @dataclass
-class Step:
+class Step(Component):
     """The default scheme, "houle": everything between the particles on the grid, second order in time.
 
     Velocities live at the middles of the steps, positions at their ends (leapfrog): what forces and pressure at the
@@ -35,9 +36,12 @@ class Step:
     velocity_lag: ClassVar[float] = 0.5  # of a step, behind the positions
     pressure_lag: ClassVar[float] = 1.0
 
-    def advance(self, flow: Flow, dt: float, last: float, ledger: Ledger) -> None:
-        """One step of dt [s] after one of `last` [s], 0 at the start, from an arranged flow to an arranged flow."""
-        kick = 0.5 * (last + dt)  # from middle to middle
+    def parts(self) -> Mapping[str, Component]:
+        return {"remeshing": self.remeshing}
+
+    def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
+        """One step of dt [s] that has begun, from an arranged flow to an arranged flow."""
+        kick = flow.kick_of(dt)  # from middle to middle
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
@@ -51,7 +55,7 @@ class Step:
             self.transfer.to_particles(flow)
             settle(flow)
         with ledger.operation("advection"):
-            move_paddles(flow)
+            move_walls(flow)
             move(flow, dt)  # (17), with u_d / n
         with ledger.operation("exchange"):
             exchange(flow, dt)  # water that comes in and goes out
@@ -64,7 +68,7 @@ class Step:
 
 
 @dataclass
-class PaperStep:
+class PaperStep(Component):
     """The paper's own sequence (12)-(17), "jh2020", with the corrections of docs/theory.md.
 
     Particles move to r* first, meet the grid there, and go from r to the end of the step with the mean of the old and
@@ -77,10 +81,13 @@ class PaperStep:
     velocity_lag: ClassVar[float] = 0.0
     pressure_lag: ClassVar[float] = 0.0
 
-    def advance(self, flow: Flow, dt: float, last: float, ledger: Ledger) -> None:
+    def parts(self) -> Mapping[str, Component]:
+        return {"remeshing": self.remeshing}
+
+    def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
         """One step of dt [s], whatever the last one was, from an arranged flow to an arranged flow."""
         with ledger.operation("advection"):
-            move_paddles(flow)
+            move_walls(flow)
             start, velocity, porosity = flow.snapshot()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n
         with ledger.clock("surface"):

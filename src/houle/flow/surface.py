@@ -39,19 +39,28 @@ def find_surface(flow: Flow) -> None:
     Valid for particles moved by up to two cells since they were sorted.
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
-    volume = flow.particles.volume
-    _core.scatter_cells(core, flow.start, position, volume, flow.fill, flow.walls, flow.inverse_capacity, flow.gates)
-    _core.column_heights(core, flow.start, position, volume, flow.height, flow.walls, flow.gates)
+    volume, walls, gates = flow.particles.volume, flow.boundaries.walls, flow.boundaries.gates
+    _core.scatter_cells(
+        core,
+        flow.start,
+        position,
+        volume,
+        flow.fill,
+        flow.boundaries.walls,
+        flow.inverse_capacity,
+        flow.boundaries.gates,
+    )
+    _core.column_heights(core, flow.start, position, volume, flow.height, walls, gates)
     _core.column_levels(
         core, flow.height, flow.column_porosity, flow.fill, flow.inverse_capacity,
         mixed.column, mixed.start, mixed.pieces, flow.level,
     )  # fmt: skip
     _core.find_surface(
         core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.depth, flow.active, flow.column,
-        flow.eta, flow.gates,
+        flow.eta, gates,
     )  # fmt: skip
-    for paddle in flow.paddles:
-        paddle.shut()
+    for boundary in flow.boundaries:
+        boundary.dry(flow)
     if flow.porous:
         cells = (flow.medium.listed("open_cells"), flow.medium.listed("contrast"))
         _core.hold_faces(core, flow.active, *cells, MOST_CONTRAST, flow.held)

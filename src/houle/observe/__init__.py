@@ -9,10 +9,12 @@ the pressure. To add an observable: a class like `levels.Gauges`, a line in `Obs
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from houle.flow.component import Component, State
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid, axes
 from houle.medium.shapes import Shape, shape_of
@@ -33,7 +35,7 @@ def levels_at(flow: Flow, places: list[tuple[float, ...]]) -> FloatArray:
     return Gauges(flow, places).levels(flow)
 
 
-class Observers:
+class Observers(Component):
     """Everything a case observes, placed in its flow. `case` has .gauge, .sensor, .runup, ... as in tables/."""
 
     def __init__(self, case: Any, flow: Flow) -> None:
@@ -76,8 +78,8 @@ class Observers:
             row["discharge"] = np.array([s.discharge(flow) for s in self.sections])
         if self.phreatics:
             row["phreatic_level"] = np.concatenate([p.levels(flow) for p in self.phreatics])
-        if flow.paddles:
-            row["paddle_position"] = np.array([paddle.x for paddle in flow.paddles])
+        if flow.boundaries.walls is not None:
+            row["paddle_position"] = flow.boundaries.walls[:, 0].copy()
         return row | (self._forces(rho) if self.loads else {})
 
     def _forces(self, rho: float) -> dict[str, FloatArray]:
@@ -106,11 +108,10 @@ class Observers:
         for o in self.overtoppings:
             o.after_step(dt)
 
-    def state(self) -> dict[str, FloatArray]:
-        """What a checkpoint must hold."""
+    def state(self) -> State:
         return {f"overtopping.{i}": o.state for i, o in enumerate(self.overtoppings)}
 
-    def restore(self, state: dict[str, FloatArray]) -> None:
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
         for i, o in enumerate(self.overtoppings):
             o.state = state[f"overtopping.{i}"]
 

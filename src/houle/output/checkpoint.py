@@ -23,12 +23,15 @@ from houle.output.atomic import DAMAGES, Sink, regular, replacing, reported
 KEPT = 2
 BLOCK = 512  # bytes in front of the HDF5 file, which it leaves to the user
 WORDS = "houle checkpoint, HDF5 after this block of 512 bytes\nsha256 of the rest: "
-FORMAT = 1
+FORMAT = 2  # 1: without groups
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """state: arrays and scalars by name, bitwise as saved; meta: what JSON holds (time, hash of the case, ...)."""
+    """state: arrays and scalars by their paths in the tree of components, bitwise as saved.
+
+    meta: what JSON holds (time, hash of the case, ...).
+    """
 
     path: Path
     step: int
@@ -73,7 +76,7 @@ def load(path: Path) -> Checkpoint | None:
         with h5py.File(path) as file:
             if file.attrs["format"] != FORMAT:
                 return None
-            state = {name: _values(dataset) for name, dataset in file["state"].items()}
+            state = _leaves(file["state"])
             text = file["meta"].asstr()[()]
             step, digest = int(file.attrs["step"]), file.attrs["sha256"]
         if digest != _digest(state, text):
@@ -82,6 +85,18 @@ def load(path: Path) -> Checkpoint | None:
     except (*DAMAGES, RecursionError):
         return None
     return Checkpoint(Path(path), step, state, meta) if isinstance(meta, dict) and step == _step(path) else None
+
+
+def _leaves(tree: h5py.Group) -> dict[str, NDArray]:
+    """The arrays of a tree of groups by their paths in it; links lead nowhere."""
+    found = {}
+
+    def leaf(name: str, node: h5py.Group | h5py.Dataset) -> None:
+        if isinstance(node, h5py.Dataset):
+            found[name] = _values(node)
+
+    tree.visititems(leaf)
+    return found
 
 
 def _values(dataset: h5py.Dataset) -> NDArray:

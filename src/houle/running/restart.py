@@ -19,8 +19,8 @@ from houle.running.progress import Silent
 from houle.running.recorder import Recorder
 
 CASE_FILE = "case.toml"
-ON_CELLS = ("pressure", "psi")  # arrays of a state, (nx, [ny,] rows)
-FINITE = ("position", "velocity", "volume", *ON_CELLS)
+PARTICLES = ("flow/particles/position", "flow/particles/velocity", "flow/particles/volume")
+ON_CELLS = ("flow/pressure", "flow/psi")  # arrays of a state, (nx, [ny,] rows)
 
 
 def left(directory: Path) -> tuple[Case, dict[str, Any], set[str]]:
@@ -109,7 +109,7 @@ def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[
         meta = checkpoint.meta
         spent = [meta["wall_seconds"], meta["cpu_seconds"]]
         spent += [seconds for name in ("operations", "stages") for seconds in meta[name].values()]
-        if meta["time"] != float(state["time"]) or not all(0 <= seconds < np.inf for seconds in spent):
+        if meta["time"] != float(state["flow/time"]) or not all(0 <= seconds < np.inf for seconds in spent):
             return None, "it does not agree with itself about the time"
         simulation = Simulation(build(case), threads)
         simulation.restore(state)
@@ -133,18 +133,18 @@ def _shape(state: Mapping[str, Any], name: str) -> tuple[int, ...] | None:
 def problem_of(state: Mapping[str, Any], case: Case) -> str | None:
     """What cannot be in a state of this case, before anything is computed from it: None if it may be one."""
     grid, size = case.domain.grid, np.array(case.domain.grid.size)
-    position, velocity, volume = (np.asarray(state[name]) for name in ("position", "velocity", "volume"))
+    position, velocity, volume = (np.asarray(state[name]) for name in PARTICLES)
     count, d = len(volume), grid.dimension
     if position.shape != (count, d) or velocity.shape != (count, d) or volume.shape != (count,):
         return "its particles do not agree about their number"
-    for name in FINITE:
+    for name in (*PARTICLES, *ON_CELLS):
         if name in state and not (np.asarray(state[name]).dtype.kind == "f" and np.isfinite(state[name]).all()):
             return f"{name} holds what is not a number"
     if not ((position >= -1e-9 * size).all() and (position <= (1 + 1e-9) * size).all()):
         return "it has particles outside the domain"
     if not ((volume > 0).all() and volume.sum() <= (1 + 1e-9) * np.prod(size)):
         return "it has more water than the domain can hold, or less than none"
-    time, steps = float(state["time"]), int(state["steps"])
+    time, steps = float(state["flow/time"]), int(state["steps"])
     if not (0 <= time < np.inf and steps >= 0):
         return f"it is of t = {time:g} s, step {steps}"
     for name in ON_CELLS:

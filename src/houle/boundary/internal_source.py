@@ -1,43 +1,32 @@
-"""What makes the waves of a run: a force inside the water, or a zone in which the flow is led towards the wave.
+"""A source inside the water: a force that makes waves, the gradient of a potential that is uniform over the depth.
 
-A maker adds accelerations to the faces. What damps (a relaxation zone, a sponge) is a linear resistance, and enters the
-implicit drag with the pressure: it limits no time step.
+Regular waves of finite height get all their harmonics from the potential of `houle.waves.finite`; a sum of linear
+waves gets the force of JH2020 (4), (5).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, log, pi, sqrt
-from typing import Protocol
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.boundary.finite_source import REACH, FiniteSource
+from houle.errors import CaseError
+from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
 from houle.waves.dispersion import frequency, group_velocity
-from houle.waves.finite import SHARPNESS
+from houle.waves.finite import SHARPNESS, Potential, Spectrum, potential
 from houle.waves.wave import Components, Wave, WaveError, ramp
 
 NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
 WIDTH, NARROW = 1.0, 0.25  # wavelengths: of a source for regular waves, for a spectrum with its short waves
-FIRM, HARD = 2.0, 8.0  # of a zone where it begins to damp, in the strength of a sponge; and at the wall, in that
 SHORTEST, LONGEST = 0.3, 16.0  # widths of a source: other waves of a record it does not make
 LEAVES = 0.5  # of the rms of a record with its two ends, what it leaves out at most: some 0.3 of any that is cut
-LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
-
-
-class Maker(Protocol):
-    """Adds to the accelerations of the faces [m/s2] what makes the waves at time t [s]."""
-
-    def push(self, t: float, acceleration: Faces) -> None: ...
-
-    def touches(self) -> dict[int, slice]:
-        """Axes of the faces that it pushes, and which of them along x."""
-
-    def resist(self, rate: Faces) -> None:
-        """Adds what it damps to the linear resistance of the faces [1/s]."""
+ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
+REACH = 1.25  # widths to each side of the source where its force is not negligible: exp(-20 * 1.25^2) = 3e-14
+FADE = 1.0  # widths from where what an oblique wave asks for further out (1e-3 of the force) is led to 0
 
 
 @dataclass(frozen=True)
@@ -54,8 +43,26 @@ class Source:
     side: str
 
 
-@dataclass
-class InternalSource:
+class _Force(Boundary):
+    """What is common to all sources. acts: where from and to its force counts [m]."""
+
+    name = "waves.source"
+    acts: tuple[float, float] = (0.0, 0.0)
+
+    def join(self, tank: Tank, boundaries: Boundaries) -> None:
+        """CaseError where a moving wall stands in its force, or before it: behind a wall is no water to push."""
+        low, high = self.acts
+        for wall in boundaries:
+            for x, water in wall.images():
+                if (x > low) if water > 0 else (x < high):
+                    raise CaseError(
+                        f"{self.name} pushes the water from x = {low:.3g} to {high:.3g} m, but there is none behind "
+                        f"{wall.name} at x = {x:.4g} m: move one of them"
+                    )
+
+
+@dataclass(eq=False)
+class InternalSource(_Force):
     """The momentum source of JH2020 (4), (5), corrected: the gradient of a potential G(x) times oscillations.
 
     For what is a sum of linear waves; regular waves with harmonics have FiniteSource.
@@ -113,13 +120,12 @@ class InternalSource:
             y, faces = grid.axis_points(1), grid.axis_points(1, on_faces=True)
         there = k_x * source.x * (sign or 1.0) + parts.phase
         chosen = np.array([[1.0], [sign]])
-        return cls(
+        found = cls(
             first, chosen * shapes, size, k_x, parts.omega, y[:, None] * k_y + there, duration, k_y, chosen * across,
             faces[:, None] * k_y + there,
         )  # fmt: skip
-
-    def resist(self, rate: Faces) -> None:
-        """It damps nothing."""
+        found.acts = source.x - ACTS * source.width, source.x + ACTS * source.width
+        return found
 
     def touches(self) -> dict[int, slice]:
         found = {0: slice(self.first, self.first + self.shapes.shape[1])}
@@ -155,113 +161,80 @@ def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatA
     return bracket / (omega * k * (1 - NWOGU * (k * depth) ** 2))
 
 
-@dataclass
-class RelaxationZone:
-    """The flow is led towards the wave, the harder the further in: du/dt = ... + sigma (u_wave - u).
+@dataclass(eq=False)
+class FiniteSource(_Force):
+    """Adds sum_n r^n Re(F_n(x) exp(-i n tau)), tau = omega t - k_y y - psi, r the ramp; the mean, n = 0, grows as r^2.
 
-    What comes back from the structure is damped on its way in, by a sigma that grows gently enough to send little back.
-    Where the zone begins at a wall, the wave of theory would cross it: over the first third the wave grows from
-    nothing, so that the water it needs comes from the level there, and sigma grows faster, so that the flow follows. An
-    open side lets the wave pass, and needs neither. The vertical velocity is what continuity asks for.
+    That is how the harmonics of a wave grow with its height, so that it is nearly right already while it grows.
 
-    faces, cells  of axis 0, those it covers
+    first     number of the first face along x that it pushes, and of the first cell
+    along_x   F_n on these faces (faces, M); along_y on the cells between (cells, M), none in 2D [m/s2]
+    phase     k_y y + psi at the cell centres along y (ny,), on the faces across (ny + 1,) [rad]; one and none in 2D
     """
 
-    wave: Wave
-    faces: slice
-    cells: slice
-    x: FloatArray  # of the faces of axis 0 [m]
-    z: FloatArray  # of the centres along the last axis [m]
-    steep: float  # spacing of the last axis over that of axis 0
-    sigma: tuple[FloatArray, FloatArray]  # on faces and centres [1/s]
-    share: FloatArray  # of the wave, on faces, 0 at a wall
-    duration: float
-    up: int  # the last axis
+    first: int
+    along_x: Spectrum
+    along_y: Spectrum
+    omega: float
+    phase: tuple[FloatArray, FloatArray]
+    duration: float  # of the ramp [s]
 
-    def push(self, t: float, acceleration: Faces) -> None:
-        grown = float(ramp(t, self.duration))
-        u = self.share[:, None] * self.wave.along_on(self.x, self.z, t)
-        w = np.pad(np.cumsum(u[:-1] - u[1:], axis=1), ((0, 0), (1, 0))) * self.steep
-        pairs = ((0, self.faces, u), (len(acceleration) - 1, self.cells, w))
-        for (axis, where, velocity), sigma in zip(pairs, self.sigma, strict=True):
-            force = (grown * sigma)[:, None] * velocity
-            acceleration[axis][where] += force[:, None, :] if acceleration[axis].ndim == 3 else force
-
-    def touches(self) -> dict[int, slice]:
-        return {0: self.faces, self.up: self.cells}
+    @staticmethod
+    def force(wave: Wave, width: float, side: str) -> Potential:
+        """side: "both", "left" or "right". Raises WaveError."""
+        return potential(wave, width, (side != "left", side != "right"))
 
     @classmethod
-    def of(cls, x: tuple[float, float], wave: Wave, grid: Grid, duration: float, wall: bool = True) -> RelaxationZone:
-        """Between x[0], where the wave is complete, and x[1] [m]; wall: whether the side of the tank is a wall."""
-        start, end = x
-        h, n = grid.spacing[0], grid.shape[0]
-        if grid.dimension == 3 and wave.direction:
-            raise WaveError("waves.zone leads waves along x only; take waves.source for oblique waves")
-        faces = slice(max(0, round(start / h)), min(n, round(end / h)) + 1)
-        cells = slice(faces.start, faces.stop - 1)
-        points = (grid.axis_points(0, on_faces=True)[faces], grid.axis_points(0)[cells])
-        firm = FIRM * damping(wave.group_velocity, end - start)
-        inwards = [(end - p) / (end - start) for p in points]  # 0 where the waves leave the zone, 1 at its start
-        at_faces, at_centres = (firm * (s**2 + (HARD * s**6 if wall else 0.0)) for s in inwards)
-        up = grid.dimension - 1
-        return cls(
-            wave, faces, cells, points[0], grid.axis_points(up), grid.spacing[up] / h,
-            sigma=(at_faces, at_centres),
-            share=smooth(3 * (1 - inwards[0])) if wall else np.ones(len(points[0])),
-            duration=duration, up=up,
-        )  # fmt: skip
+    def of(cls, wave: Wave, grid: Grid, place: float, width: float, side: str, duration: float) -> FiniteSource:
+        """At x = place [m]."""
+        from scipy.interpolate import CubicSpline
 
-    def resist(self, rate: Faces) -> None:
-        """Adds sigma to the linear resistance of the faces [1/s]."""
-        last = len(rate) - 1
-        for axis, r in enumerate(rate):
-            where, sigma = (self.faces, self.sigma[0]) if axis == 0 else (self.cells, self.sigma[1])
-            r[where] += sigma.reshape((-1,) + (1,) * last)
-
-
-@dataclass
-class Stream:
-    """Leads what damps in front of an open side towards the flow through it, which it would hold up: + sigma U.
-
-    A current, and the long waves that leave; what the side lets in of the wave of a zone is not in it.
-
-    rate       of the faces along x, what damps there [1/s]
-    depth      of the water at these faces (nx + 1, [ny]) [m]
-    discharge  towards larger x now, per width [m2/s]
-    """
-
-    rate: FloatArray
-    depth: FloatArray
-    discharge: Callable[[], float]
-
-    def push(self, t: float, acceleration: Faces) -> None:
-        acceleration[0] += self.rate * (self.discharge() / self.depth)[..., None]
+        found = cls.force(wave, width, side)
+        h, count = grid.spacing[0], grid.shape[0]
+        first, last = (round((place + s * REACH * width) / h) for s in (-1, 1))
+        first, last = max(1, first), min(count - 1, last)
+        faces: FloatArray = np.arange(first, last + 1, dtype=float) * h - place
+        k_x, k_y = wave.k * np.cos(wave.direction), wave.k * np.sin(wave.direction)
+        psi = k_x * place * (-1.0 if side == "left" else 1.0) + wave.phase
+        along_x = CubicSpline(found.x, found.along.T)(faces)
+        along_y, phase = np.zeros((0, along_x.shape[1]), complex), (np.array([psi]), np.zeros(0))
+        if grid.dimension == 3:
+            phase = (k_y * grid.axis_points(1) + psi, k_y * grid.axis_points(1, on_faces=True) + psi)
+        if grid.dimension == 3 and k_y:
+            n, value = np.arange(along_x.shape[1]), CubicSpline(found.x, found.value.T)
+            centres, oblique = faces[:-1] + h / 2, n > 0
+            along_y = 1j * k_y * n * value(centres) * _share(centres, width)[:, None]
+            slope = (_share(faces + h / 2, width) - _share(faces - h / 2, width)) / h
+            led = along_x * _share(faces, width)[:, None] + value(faces) * slope[:, None]
+            along_x = np.where(oblique, led, along_x)
+        source = cls(first, along_x, along_y, wave.omega, phase, duration)
+        source.acts = place - ACTS * width, place + ACTS * width
+        return source
 
     def touches(self) -> dict[int, slice]:
-        return {0: slice(0, len(self.rate))}
+        across = {1: slice(self.first, self.first + len(self.along_y))} if self.along_y.size else {}
+        return {0: slice(self.first, self.first + len(self.along_x))} | across
 
-    def resist(self, rate: Faces) -> None:
-        """It damps nothing of its own."""
+    def push(self, t: float, acceleration: Faces) -> None:
+        force = self._force(self.along_x, self.phase[0], t)
+        here = acceleration[0][self.first : self.first + len(force)]
+        here += force[..., None] if here.ndim == 3 else force
+        if self.along_y.size:
+            force = self._force(self.along_y, self.phase[1], t)
+            acceleration[1][self.first : self.first + len(force)] += force[..., None]
 
-
-def smooth(s: FloatArray) -> FloatArray:
-    """0 below 0, 1 above 1, smooth between (two continuous derivatives)."""
-    s = np.clip(s, 0, 1)
-    return s**3 * (10 - 15 * s + 6 * s**2)
-
-
-def damping(group_velocity: float, length: float) -> float:
-    """The largest rate sigma [1/s] of a sponge of this length [m] that grows with the square of the way into it.
-
-    A wave that goes in and comes back keeps exp(-sigma length / (3 c_g)) of its amplitude: LEFT_OVER. Uniform over
-    the depth, it slows water down at the rate sigma and takes half of that from the amplitude, both ways.
-    """
-    return -3 * log(LEFT_OVER) * group_velocity / length
+    def _force(self, shapes: Spectrum, phase: FloatArray, t: float) -> FloatArray:
+        """(places, phases)"""
+        n = np.arange(shapes.shape[1])
+        grown = float(ramp(t, self.duration)) ** np.where(n == 0, 2, n)
+        beat = grown[:, None] * np.exp(-1j * n[:, None] * (self.omega * t - phase))
+        return np.asarray(np.einsum("xn,ny->xy", shapes, beat, optimize=False).real)
 
 
-def left_over(strength: float, group_velocity: float, length: float) -> float:
-    """Share of the amplitude of a wave that a sponge of this strength [1/s] lets come back: `damping` backwards."""
-    return exp(-strength * length / (3 * group_velocity))
+def _share(x: FloatArray, width: float) -> FloatArray:
+    """1 inside of FADE widths, 0 outside of REACH, half a cosine between."""
+    way = np.clip((np.abs(x) / width - FADE) / (REACH - FADE), 0.0, 1.0)
+    return np.asarray(0.5 + 0.5 * np.cos(np.pi * way))
 
 
 def source_width(given: float | None, kind: str, wave: Wave) -> float:

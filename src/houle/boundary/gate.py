@@ -1,0 +1,49 @@
+"""A lifting gate: a thin plate across the tank, shut down to its lower edge, which rises.
+
+It stands on the nearest face of the grid and its edge on the nearest grid line: through a face that is a little open
+the pressure would drive the water of a whole cell, which cannot pass. Particles, fill, levels and velocities know it as
+a wall between the columns beside it (docs/decisions/0020).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from houle.flow.boundaries import Boundary, Row
+from houle.flow.component import State
+from houle.flow.tank import Tank
+from houle.grid import FloatArray, Grid, SingleFaces
+
+
+class Gate(Boundary):
+    """face, x: number and place [m] of the face that it stands on; row: of cells, at whose floor its edge is now."""
+
+    def __init__(self, grid: Grid, x: float, speed: float, start: float = 0.0, name: str = "gate") -> None:
+        """x [m]; upward speed of its lower edge [m/s], from the time `start` [s] on."""
+        self.grid, self.speed, self.start, self.name = grid, speed, start, name
+        self.face = round(x / grid.spacing[0])
+        self.x = self.face * grid.spacing[0]
+        self.row = self._row_at(0.0)
+
+    def _row_at(self, t: float) -> int:
+        """That of the grid line nearest to the lower edge at time t [s]."""
+        return math.floor(max(0.0, (t - self.start) * self.speed) / self.grid.spacing[-1] + 0.5)
+
+    def openness(self, faces: SingleFaces) -> None:
+        faces[0][self.face][..., self.row :] *= 0.0
+
+    def gates(self) -> Sequence[Row]:
+        return [(self.x, self.row * self.grid.spacing[-1])]
+
+    def begin(self, tank: Tank, dt: float) -> None:
+        """It stands, all through the step, where it is at its start."""
+        self.row = self._row_at(tank.time)
+
+    def state(self) -> State:
+        return {"row": np.array(self.row)}
+
+    def restore(self, state: Mapping[str, FloatArray]) -> None:
+        self.row = int(state["row"])

@@ -1,0 +1,217 @@
+"""What stands in a tank: the protocol of a boundary, and the list of those of a flow.
+
+A boundary writes the methods of what it does and leaves out the others, which do nothing here. Any two stand in one
+tank: openness multiplies, resistances, pushes and fluxes add, and the faces that one prescribes are its own. Where two
+cannot stand together the boundary itself says so, with the reason, when it joins.
+
+The methods see the tank (grid, medium, water), not the flow that calls them, and are called in this order: `join` once,
+`prepare` for the first pressure, and in each step `begin`, `drive`, `push`, `feed`, `impose`, `power`, `advance`,
+`exchange`. `houle.boundary` holds one kind in each of its files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar, Literal, overload
+
+import numpy as np
+
+from houle.flow.component import Component
+from houle.flow.particles import Particles
+from houle.flow.remeshers import EVERYWHERE, Nodes
+from houle.flow.tank import Tank
+from houle.grid import Faces, FloatArray, SingleFaces
+
+Row = tuple[float, float]
+
+
+class Boundary(Component):
+    """A gate, a moving wall, an open side, a source, a zone or a sponge: this one does nothing.
+
+    name          for messages
+    work          the sum of the ledger in which `power` is booked
+    came, went    volume that has come in and gone out through it since the start [m^d]
+    """
+
+    name: str = ""
+    work: ClassVar[Literal["source_work", "open_work"]] = "source_work"
+    came: float = 0.0
+    went: float = 0.0
+
+    # ---- where it stands -----------------------------------------------------------------------------------------
+
+    def join(self, tank: Tank, boundaries: Boundaries) -> None:
+        """Takes its place among all boundaries of the tank. Raises CaseError if it cannot stand beside one of them."""
+
+    def openness(self, faces: SingleFaces) -> None:
+        """Multiplies the open area of the faces by the share that it leaves open now."""
+
+    def columns(self, share: FloatArray) -> None:
+        """Multiplies the share of each column of cells, (nx, [ny]), by what it leaves to the water now."""
+
+    def images(self) -> Sequence[Row]:
+        """Mirrors across the tank, in which particles have images: x [m], and +1 where the water is on their right,
+        -1 where it is on their left.
+        """
+        return ()
+
+    def gates(self) -> Sequence[Row]:
+        """Plates across the tank that stop particles: x of a face, and height of the lower edge on a grid line [m]."""
+        return ()
+
+    def dry(self, tank: Tank) -> None:
+        """Takes the cells that it leaves no water from the surface just found."""
+
+    # ---- what it does to the faces -------------------------------------------------------------------------------
+
+    def resist(self, rate: Faces) -> None:
+        """Adds what it damps, at all times, to the linear resistance of the faces [1/s]."""
+
+    def touches(self) -> dict[int, slice]:
+        """Axes of the faces that it pushes, and which of them along x; known from `join` on."""
+        return {}
+
+    def push(self, t: float, acceleration: Faces) -> None:
+        """Adds what it pushes at the time t [s] to the accelerations of the faces [m/s2]."""
+
+    # ---- in a step -----------------------------------------------------------------------------------------------
+
+    def prepare(self, tank: Tank) -> None:
+        """Lets water pass as it moves in the tank, for the first pressure of a run."""
+
+    def begin(self, tank: Tank, dt: float) -> None:
+        """Decides how it goes through the step of dt [s] that begins at tank.time."""
+
+    def drive(self, tank: Tank, dt: float) -> None:
+        """Sets the velocities of its faces for that step, with the velocities of the water on the grid."""
+
+    def feed(self, tank: Tank) -> None:
+        """Adds the flux through its faces to the right-hand side of the pressure system, tank.work.rhs [1/s]."""
+
+    def impose(self, tank: Tank) -> None:
+        """Gives its faces their velocity, after the projection, and marks them valid."""
+
+    def power(self, tank: Tank) -> float:
+        """Power of the pressure on its faces, over the density: pressure times flux into the water [m^d m2/s3]."""
+        return 0.0
+
+    def advance(self, tank: Tank) -> None:
+        """Goes to where it stands at the end of the step."""
+
+    def exchange(self, tank: Tank, dt: float) -> None:
+        """Lets particles in and takes particles out for a step of dt [s], after they have moved."""
+
+    def to_lattice(self, particles: Particles) -> None:
+        """Shifts particles, before they are made anew, so that it stands between two nodes of their lattice."""
+
+    def from_lattice(self, particles: Particles) -> None:
+        """Shifts the new ones back."""
+
+
+class Boundaries(Component, Sequence[Boundary]):
+    """All boundaries of a tank in the order of the case, and what a step needs of all of them at once.
+
+    Openness and columns are asked for again when an image or a gate has moved.
+
+    damping       linear resistance of the faces [1/s]; empty: nothing damps
+    pushes        accelerations of the faces [m/s2]; pushed: axes of those that are pushed, and which along x
+    open_faces    open area of the faces: the medium's times the openness of each boundary; the medium's own arrays
+                  where none closes any
+    column_share  share of each column of cells that they leave to the water, (nx, [ny]); None: all of all
+    walls         mirrors, x [m] and side, one row each; None without any
+    gates         plates, x and lower edge [m], (K, 2)
+    nodes         first node and end of the lattice of the particles along x, between moving walls
+    """
+
+    def __init__(self, tank: Tank, entries: Sequence[Boundary] = ()) -> None:
+        self.grid, self.medium, self.entries = tank.grid, tank.medium, tuple(entries)
+        self.damping = self._damping()
+        self.open_faces = tank.medium.open_faces
+        self.column_share: FloatArray | None = None
+        self.walls: FloatArray | None = None
+        self.gates: FloatArray = np.zeros((0, 2))
+        self.nodes: Nodes = EVERYWHERE
+        for boundary in self:
+            boundary.join(tank, self)
+        self.pushed = self._touched()
+        self.pushes = tank.grid.faces() if self.pushed else []
+        if self.that("openness"):
+            self._open()
+        self.stand()
+
+    def _damping(self) -> Faces:
+        if not (resisting := self.that("resist")):
+            return []
+        rate = self.grid.faces()
+        for boundary in resisting:
+            boundary.resist(rate)
+        return rate if any(r.any() for r in rate) else []
+
+    @overload
+    def __getitem__(self, key: int) -> Boundary: ...
+
+    @overload
+    def __getitem__(self, key: slice) -> tuple[Boundary, ...]: ...
+
+    def __getitem__(self, key: int | slice) -> Boundary | tuple[Boundary, ...]:
+        return self.entries[key]
+
+    def __len__(self) -> int:
+        return len(self.entries)
+
+    def __iter__(self) -> Iterator[Boundary]:
+        return iter(self.entries)
+
+    def parts(self) -> Mapping[str, Boundary]:
+        return {str(i): boundary for i, boundary in enumerate(self)}
+
+    def that(self, method: str) -> list[Boundary]:
+        """Those that do something in this method of `Boundary`."""
+        return [b for b in self if getattr(type(b), method) is not getattr(Boundary, method)]
+
+    def stand(self) -> bool:
+        """Finds anew what follows from where they stand, if one has moved. Returns whether a gate has."""
+        walls = np.array([row for boundary in self for row in boundary.images()]).reshape(-1, 2)
+        gates = np.array([row for boundary in self for row in boundary.gates()]).reshape(-1, 2)
+        known = np.zeros((0, 2)) if self.walls is None else self.walls
+        gate_moved = not np.array_equal(gates, self.gates)
+        if np.array_equal(walls, known) and not gate_moved:
+            return False
+        self.walls, self.gates = walls if len(walls) else None, gates
+        self._open()
+        grid = self.grid
+        if len(walls):
+            node = [round(2.0 * (x / grid.spacing[0])) for x in walls[:, 0]]
+            left = [n for n, side in zip(node, walls[:, 1], strict=True) if side > 0]
+            right = [n for n, side in zip(node, walls[:, 1], strict=True) if side < 0]
+            self.nodes = max(left, default=0), min(right, default=2 * grid.shape[0])
+            self.column_share = np.ones(grid.shape[:-1])
+            for boundary in self:
+                boundary.columns(self.column_share)
+        return gate_moved
+
+    def _open(self) -> None:
+        """Open area of the faces, in arrays of their own: those of the medium are never written."""
+        medium = self.medium.open_faces
+        if self.open_faces is medium:
+            self.open_faces = [faces.copy() for faces in medium]
+        for faces, whole in zip(self.open_faces, medium, strict=True):
+            faces[...] = whole
+        for boundary in self:
+            boundary.openness(self.open_faces)
+
+    def _touched(self) -> dict[int, slice]:
+        found: dict[int, slice] = {}
+        for boundary in self:
+            for axis, s in boundary.touches().items():
+                before = found.get(axis, s)
+                found[axis] = slice(min(before.start, s.start), max(before.stop, s.stop))
+        return found
+
+    def push(self, t: float) -> Faces:
+        """Accelerations of the faces [m/s2] at the time t [s]; those outside `pushed` are 0."""
+        for axis, where in self.pushed.items():
+            self.pushes[axis][where] = 0.0
+        for boundary in self:
+            boundary.push(t, self.pushes)
+        return self.pushes
