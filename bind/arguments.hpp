@@ -371,7 +371,8 @@ inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const cha
   return field ? listed_of(g, *field, name) : Listed{};
 }
 
-// number of each cell, and for the linear kernel, list (K, D + 3), medium of the faces: houle.medium.interfaces.Interfaces
+// number of each cell, and for the linear kernel, list (K, D + 3), medium of the faces:
+// houle.medium.interfaces.Interfaces
 using OptionalInterfaces = std::optional<std::tuple<Numbers, Numbers, Given, std::vector<Array<const std::int8_t>>>>;
 
 template <int D>

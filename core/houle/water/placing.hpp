@@ -64,10 +64,10 @@ inline void place(const Space<D>& space, index node, Gathered<D>& g, double* x) 
 // What one of the held back particles takes from the moment goes to those around it, which all move by the same
 // fraction of a spacing: the nearest that may all go there and are enough.
 template <int D>
-class Neighbours {
+class MomentTakers {
  public:
-  Neighbours(const Space<D>& space, const Receivers<D>& receivers, const std::vector<std::int32_t>& kept,
-             ParticleArrays<D>& particles)
+  MomentTakers(const Space<D>& space, const Receivers<D>& receivers, const std::vector<std::int32_t>& kept,
+               ParticleArrays<D>& particles)
       : space_(space), receivers_(receivers), place_(receivers.count(), -1), p_(particles) {
     for (std::size_t i = 0; i < kept.size() && kept[i] < receivers.count(); ++i)
       place_[kept[i]] = static_cast<std::int32_t>(i);

@@ -227,10 +227,10 @@ inline std::vector<index> settle(const Space<D>& space, const Shared<D>& shared,
   });
   std::vector<index> open;
   if (held.empty()) return open;
-  Neighbours<D> neighbours(space, shared.receivers, shared.from, out);
+  MomentTakers<D> takers(space, shared.receivers, shared.from, out);
   for (index i : held) {
     const Gathered<D>& g = nodes[source[i]];
-    if (!(g.sound() && neighbours.take(source[i], g.moment))) open.push_back(shared.receivers.node[source[i]]);
+    if (!(g.sound() && takers.take(source[i], g.moment))) open.push_back(shared.receivers.node[source[i]]);
   }
   return open;
 }
