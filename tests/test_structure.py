@@ -224,13 +224,13 @@ def test_rooms_of_the_core_include_downward():
 
 
 def test_threads_have_one_home():
-    """Loops are written in parallel.hpp and run by threads.hpp: a build for another kind of machine replaces these."""
+    """Loops are written in exec/ and run by threads.hpp: a build for another kind of machine replaces these."""
     threads = re.compile(r"#pragma omp|omp_\w+\(|<omp\.h>|std::(j?thread|async|atomic|\w*mutex)\b|tbb/")
     sources = [*CORE.rglob("*.[ch]pp"), *BIND.glob("*.[ch]pp")]
     named = {path.name for path in sources if threads.search(path.read_text(encoding="utf-8"))}
     assert named == {"threads.cpp"}
     users = {path.name for path in HEADERS.values() if "houle/exec/threads.hpp" in includes(path)}
-    assert users == {"parallel.hpp"}
+    assert users == {"loop.hpp"}
 
 
 def test_the_core_does_not_call_back():

@@ -17,7 +17,10 @@
 #include <thread>
 #include <vector>
 
-#include <houle/exec/parallel.hpp>
+#include <houle/exec/reduce.hpp>
+#include <houle/exec/scan.hpp>
+#include <houle/exec/sort.hpp>
+#include <houle/exec/turn.hpp>
 
 using namespace houle;
 

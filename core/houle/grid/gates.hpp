@@ -8,23 +8,28 @@
 
 namespace houle {
 
+// A plate across the first axis, on a face, shut above its lower edge.
 struct Gate {
-  double x;
+  double x;       // [m]
   double bottom;  // height of its lower edge, on a grid line [m]
 };
 
+// All gates of a tank; none: count 0.
 struct Gates {
   const Gate* gate = nullptr;
   int count = 0;
 };
 
-struct Room {  // the cells or nodes along the first axis from low to high - 1, between two walls
+// The cells or nodes along the first axis from low to high - 1, between two walls; those behind a wall have a mirror
+// image in front of it.
+struct Room {
   index low = std::numeric_limits<index>::min() / 4, high = std::numeric_limits<index>::max() / 4;
 
   index image(index i) const { return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i); }
 };
 
-// Between the gates beside x, of those that reach down to row `top` of cells of size h, `count` along the first axis.
+// The room between the gates beside x [m], of those that reach down to row `top` of cells of size h, `count` along the
+// first axis.
 template <int D>
 inline Room room_beside(const Gates& gates, const std::array<double, D>& h, index count, bool periodic, double x,
                         index top) {

@@ -5,12 +5,17 @@
 // same face; both entries are kept equal. Every cell field of n cells and every face field is dense, without ghosts.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 
-#include <houle/exec/parallel.hpp>
+#include <houle/exec/loop.hpp>
 
 namespace houle {
 
+// A grid of D = 2 or 3 axes. shape: cells along each axis; h: size of a cell along each axis [m]; periodic: whether the
+// two ends of an axis are the same place.
 template <int D>
 struct Grid {
   static_assert(D == 2 || D == 3);
@@ -18,37 +23,44 @@ struct Grid {
   std::array<double, D> h{};  // spacing per axis [m]
   std::array<bool, D> periodic{};
 
+  // Number of cells.
   index cells() const {
     index n = 1;
     for (index s : shape) n *= s;
     return n;
   }
+  // Volume of a cell [m^D].
   double cell_volume() const {
     double v = 1;
     for (double s : h) v *= s;
     return v;
   }
+  // Shape of a field on the faces across an axis.
   std::array<index, D> face_shape(int axis) const {
     auto s = shape;
     s[axis] += 1;
     return s;
   }
+  // Number of faces across an axis.
   index faces(int axis) const {
     index n = 1;
     for (index s : face_shape(axis)) n *= s;
     return n;
   }
+  // Entries from one number to the next along each axis, in a field of that shape.
   static std::array<index, D> strides(const std::array<index, D>& shape) {
     std::array<index, D> s{};
     s[D - 1] = 1;
     for (int a = D - 2; a >= 0; --a) s[a] = s[a + 1] * shape[a + 1];
     return s;
   }
+  // The place in memory of the entry at i, in a field of those strides.
   static index flat(const std::array<index, D>& i, const std::array<index, D>& stride) {
     index f = 0;
     for (int a = 0; a < D; ++a) f += i[a] * stride[a];
     return f;
   }
+  // The entry along each axis of place f in memory, in a field of that shape.
   static std::array<index, D> unflat(index f, const std::array<index, D>& shape) {
     std::array<index, D> i{};
     for (int a = D - 1; a >= 0; --a) {
@@ -59,7 +71,7 @@ struct Grid {
   }
 };
 
-// The shape of the rows of a field.
+// The shape of the rows of a field, its lines along the last axis.
 template <int D>
 inline std::array<index, D> rows_of(std::array<index, D> shape) {
   shape[D - 1] = 1;
@@ -97,12 +109,14 @@ inline void parallel_for_face_slices(const Grid<D>& g, Body body) {
       std::max<index>(1, 2048 * g.shape[0] / g.cells()));
 }
 
+// One quantity on the faces of all axes: an array for each axis, in the shape face_shape(axis).
 template <int D, class Real = double>
-struct Faces {  // the D face fields of one quantity
+struct Faces {
   std::array<Real*, D> data{};
   Real* operator[](int a) const { return data[a]; }
 };
 
+// The same, to be read only. Null: there is no such quantity.
 template <int D, class Real = double>
 struct ConstFaces {
   std::array<const Real*, D> data{};
@@ -129,6 +143,7 @@ struct Paddle {
   double side;
 };
 
+// All paddles of a tank; none: count 0.
 struct Paddles {
   const Paddle* paddle = nullptr;
   int count = 0;

@@ -16,7 +16,8 @@
 
 namespace houle {
 
-struct LinearKernel {  // tent: partition of unity, reproduces degree 1
+// The tent: its weights sum to 1, and it reproduces linear fields.
+struct LinearKernel {
   static constexpr int width = 2;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;  // the weights sum to 1 for any s
@@ -29,7 +30,8 @@ struct LinearKernel {  // tent: partition of unity, reproduces degree 1
   }
 };
 
-struct QuadraticKernel {  // quadratic B-spline: C1, reproduces degree 1
+// The quadratic B-spline: smooth, and it reproduces linear fields.
+struct QuadraticKernel {
   static constexpr int width = 3;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;
@@ -43,7 +45,8 @@ struct QuadraticKernel {  // quadratic B-spline: C1, reproduces degree 1
   }
 };
 
-struct M4PrimeKernel {  // Monaghan (1985), paper eq. (7) as a tensor product: reproduces degree 2, has negative weights
+// M4' of Monaghan (1985), paper eq. (7) as a tensor product: it reproduces quadratic fields, and has negative weights.
+struct M4PrimeKernel {
   static constexpr int width = 4;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;
@@ -70,7 +73,8 @@ struct GaussianBase {
   static index first(double s) { return floor_index(s) - 2; }
 };
 
-struct GaussianKernel : GaussianBase {  // the particle is a point
+// The Gaussian of a particle that is a point.
+struct GaussianKernel : GaussianBase {
   static constexpr bool taylor = false;
   static void weights(double s, index i0, double, double* w, double*) {
     for (int k = 0; k < width; ++k) {
@@ -80,8 +84,9 @@ struct GaussianKernel : GaussianBase {  // the particle is a point
   }
 };
 
-// The particle is a square of edge `side`, to second order: (10)-(11). One wider than 1.7 cells counts as one of 1.7:
-// its series has negative weights, whose sum may vanish while the momentum that they carry does not.
+// The Gaussian of a particle that is a square of edge `side`, to second order: paper eqs (10)-(11). One wider than 1.7
+// cells counts as one of 1.7: its series has negative weights, whose sum may vanish while the momentum that they carry
+// does not.
 struct GaussianTaylorKernel : GaussianBase {
   static constexpr bool taylor = true;
   static constexpr double widest = 1.0 / 3.0;  // of the moment: 1 + sum_a q_a >= 0 on three axes
@@ -95,7 +100,8 @@ struct GaussianTaylorKernel : GaussianBase {
   }
 };
 
-struct GaussianCellKernel : GaussianBase {  // the exact integral over the particle's square: a difference of erf
+// The exact integral of the Gaussian over the particle's square: a difference of error functions.
+struct GaussianCellKernel : GaussianBase {
   static constexpr bool taylor = false;
   static void weights(double s, index i0, double side, double* w, double*) {
     const double c = 1.0 / (sigma * std::sqrt(2.0));
@@ -113,6 +119,7 @@ struct Folded {
   double sign;
 };
 
+// Brings node i of an axis of so many cells inside.
 inline Folded fold(index i, index cells, bool on_faces, bool periodic) {
   if (periodic) {
     i %= cells;
@@ -277,11 +284,13 @@ struct Stencil {
   }
 };
 
+// Where a point is.
 struct Place {
   index cell;   // the nearest, for a point outside the tank
   bool inside;  // the tank, or no farther from it than it is long: outside is where a flow that blew up goes
 };
 
+// The cell that holds the point x (D,) [m].
 template <int D>
 [[gnu::always_inline]] inline Place place_of(const Grid<D>& g, const double* x) {
   Place place{0, true};

@@ -8,6 +8,7 @@
 
 namespace houle::multigrid {
 
+// The closed components of a system. After find(), remove_means() takes the mean of a field over each of them out.
 template <int D>
 class ClosedComponents {
  public:
@@ -100,12 +101,12 @@ class ClosedComponents {
   int closed_ = 0;
 
   // Whether some run touches no air by itself: if none does, no component is closed.
-  bool any_sealed(const Layout<D>& l, const Mask<D>& active, ConstFaces<D> k, const double* e) {
+  bool any_sealed(const Pencils<D>& l, const Mask<D>& active, ConstFaces<D> k, const double* e) {
     const index n = l.n[D - 1];
     std::uint8_t* sealed = sealed_.data();
     parallel_for(
         l.pencils,
-        [=, &l, &active](index p) {
+        [=](index p) {
           sealed[p] = 0;
           if (l.first[p] >= l.last[p]) return;
           const std::uint8_t* mask = active.pencil(l.place(p));

@@ -14,27 +14,43 @@
 
 namespace houle::multigrid {
 
+// Where the numbers of a level are.
 template <int D, class Real>
 struct Level {
-  Layout<D> layout;
+  Pencils<D> layout;
   std::array<Field<Real>, D> k;  // of the lower face of each cell along each axis
   Field<Real> inverse;           // 1 / (e + sum of k), zero outside the active cells
   Field<Real> x, b, r;
 
-  Field<Real>& e() { return r; }  // wanted until the level is coarsened; residuals come after that
+  const Field<Real>& e() const { return r; }  // wanted until the level is coarsened; residuals come after that
 
-  Level(const std::array<index, D>& shape, const std::array<bool, D>& periodic) : layout(shape, periodic) {
-    for (auto& f : k) f.allocate(layout.size);
-    for (auto* f : {&inverse, &x, &b, &r}) f->allocate(layout.size);
-  }
-
-  void clear(const Pencil& now, index p) {
+  void clear(const Pencil& now, index p) const {
     if (layout.shrinks(now, p)) {
       for (auto& f : k) layout.clear(f, now, p);
       for (auto* f : {&inverse, &x, &b, &r}) layout.clear(*f, now, p);
     }
     layout.old_begin[p] = now.begin;
     layout.old_end[p] = now.end;
+  }
+};
+
+// A level and its memory.
+template <int D, class Real>
+struct OwnLevel {
+  Layout<D> layout;
+  std::array<OwnField<Real>, D> k;
+  OwnField<Real> inverse, x, b, r;
+
+  OwnLevel(const std::array<index, D>& shape, const std::array<bool, D>& periodic) : layout(shape, periodic) {
+    for (auto& f : k) f.allocate(layout.size);
+    for (auto* f : {&inverse, &x, &b, &r}) f->allocate(layout.size);
+  }
+  OwnLevel(OwnLevel&&) = default;
+
+  Level<D, Real> all() const {
+    Level<D, Real> level{layout, {}, inverse, x, b, r};
+    for (int a = 0; a < D; ++a) level.k[a] = k[a];
+    return level;
   }
 };
 
@@ -92,7 +108,7 @@ struct Sweeps {
 
 // The pencils of the finer level that one coarse pencil is made of.
 template <int D>
-inline std::array<index, (1 << (D - 1))> children(const Layout<D>& fine, const Pencil& row) {
+inline std::array<index, (1 << (D - 1))> children(const Pencils<D>& fine, const Pencil& row) {
   std::array<index, (1 << (D - 1))> at{};
   for (int i = 0; i < (1 << (D - 1)); ++i) {
     at[i] = row.child;
@@ -113,7 +129,7 @@ inline Real coupled(Real k, Real below, Real above) {
 
 // Coarse coefficients from fine ones. coarser: the layout of the level after, null if there is none.
 template <int D, class Real>
-inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D>* coarser) {
+inline void coarsen(OwnLevel<D, Real>& fine, OwnLevel<D, Real>& coarse, const Layout<D>* coarser) {
   Layout<D>& lf = fine.layout;
   Layout<D>& lc = coarse.layout;
   for (index p = 0; p < lc.pencils; ++p) {
@@ -135,14 +151,14 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
     lc.last[p] = last;
   }
   constexpr index heavy = 64;
-  auto *f = &fine, *c = &coarse;
-  parallel_for(lc.pencils, [=](index p) { c->clear(c->layout.pencil(p), p); }, lc.grain);
+  const Level<D, Real> f = fine.all(), c = coarse.all();
+  parallel_for(lc.pencils, [=](index p) { c.clear(c.layout.pencil(p), p); }, lc.grain);
   lc.list(&lf, coarser);
   for_rows(
       lc,
       [=](const Pencil& row) {
         constexpr int pencils = 1 << (D - 1);
-        const auto child = children(f->layout, row);
+        const auto child = children(f.layout, row);
         for (int s = 0; s < 2; ++s) {
           const int colour = (row.parity + s) & 1;
           for (int i = 0; i < pencils; ++i) {
@@ -150,22 +166,22 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
             const index at = child[i] + s;
             for (int a = 0; a < D - 1; ++a) {
               if (i >> a & 1) continue;
-              Real* k = c->k[a].c[colour] + row.at;
+              Real* k = c.k[a].c[colour] + row.at;
               for (int t = 0; t < 2; ++t) {
-                const Real* link = f->k[a].c[t] + at;
-                const Real* above = f->k[a].c[1 - t] + at + f->layout.step[a];
-                const Real* below = f->k[a].c[1 - t] + at - f->layout.step[a];
+                const Real* link = f.k[a].c[t] + at;
+                const Real* above = f.k[a].c[1 - t] + at + f.layout.step[a];
+                const Real* below = f.k[a].c[1 - t] + at - f.layout.step[a];
                 HOULE_INDEPENDENT
                 for (index m = row.begin; m < row.end; ++m)
                   k[m] = (i + t > 0 ? k[m] : Real(0)) + coupled(link[2 * m], below[2 * m], above[2 * m]);
               }
             }
-            Real* k = c->k[D - 1].c[colour] + row.at;
-            Real* e = c->e().c[colour] + row.at;
-            const Real* link = f->k[D - 1].c[even] + at;
-            const Real* inner = f->k[D - 1].c[1 - even] + at;
-            const Real* e0 = f->e().c[even] + at;
-            const Real* e1 = f->e().c[1 - even] + at;
+            Real* k = c.k[D - 1].c[colour] + row.at;
+            Real* e = c.e().c[colour] + row.at;
+            const Real* link = f.k[D - 1].c[even] + at;
+            const Real* inner = f.k[D - 1].c[1 - even] + at;
+            const Real* e0 = f.e().c[even] + at;
+            const Real* e1 = f.e().c[1 - even] + at;
             HOULE_INDEPENDENT
             for (index m = row.begin; m < row.end; ++m) {
               k[m] = (i > 0 ? k[m] : Real(0)) + coupled(link[2 * m], inner[2 * m - 1], inner[2 * m]);
@@ -175,9 +191,9 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
           }
         }
         for (int a = 0; a < D; ++a) {  // one cell around a periodic axis: no neighbour but itself
-          if (c->layout.n[a] > 1) continue;
+          if (c.layout.n[a] > 1) continue;
           for (int colour = 0; colour < 2; ++colour)
-            std::fill(c->k[a].c[colour] + row.at + row.lo, c->k[a].c[colour] + row.at + row.hi, Real(0));
+            std::fill(c.k[a].c[colour] + row.at + row.lo, c.k[a].c[colour] + row.at + row.hi, Real(0));
         }
       },
       heavy);
@@ -187,16 +203,15 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
       lc,
       [=](const Pencil& row) {
         for (int colour = 0; colour < 2; ++colour) {
-          Level<D, Real>* level = c;
           std::array<const Real*, 2 * D> k;
           for (int a = 0; a < D; ++a) {
-            k[2 * a] = level->k[a].c[colour] + row.at;
-            const index up = a < D - 1 ? level->layout.step[a] : (row.parity + colour) & 1;
-            k[2 * a + 1] = level->k[a].c[1 - colour] + row.at + up;
+            k[2 * a] = c.k[a].c[colour] + row.at;
+            const index up = a < D - 1 ? c.layout.step[a] : (row.parity + colour) & 1;
+            k[2 * a + 1] = c.k[a].c[1 - colour] + row.at + up;
           }
-          const Real* e = level->e().c[colour] + row.at;
-          Real* inverse = level->inverse.c[colour] + row.at;
-          const index end = std::min<index>(row.end, (level->layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
+          const Real* e = c.e().c[colour] + row.at;
+          Real* inverse = c.inverse.c[colour] + row.at;
+          const index end = std::min<index>(row.end, (c.layout.n[D - 1] + 1 - ((row.parity + colour) & 1)) / 2);
           HOULE_INDEPENDENT
           for (index m = row.begin; m < end; ++m) {
             Real sum = e[m];
@@ -213,9 +228,9 @@ inline void coarsen(Level<D, Real>& fine, Level<D, Real>& coarse, const Layout<D
 template <int D, class Real>
 inline void restrict_residual(const Level<D, Real>& fine, const Level<D, Real>& coarse, int colour,
                               const Slices& part) {
-  const Layout<D>& l = coarse.layout;
+  const Pencils<D>& l = coarse.layout;
   const index n = fine.layout.n[0], end = part.to == n ? l.n[0] : part.to / 2;
-  for (const Pencil* row = l.rows.data() + l.slice[part.from / 2]; row < l.rows.data() + l.slice[end]; ++row) {
+  for (const Pencil* row = l.row + l.slices[part.from / 2]; row < l.row + l.slices[end]; ++row) {
     const auto child = children(fine.layout, *row);
     for (int s = 0; s < 2; ++s) {
       std::array<const Real*, (1 << (D - 1))> r;
@@ -251,9 +266,9 @@ inline void prolong(const Level<D, Real>& coarse, const Level<D, Real>& fine, co
 // One V-cycle for levels[i].x from levels[i].b, symmetric and positive definite. An even number of half sweeps. Black
 // cells, relaxed last, have no residual, except at an odd periodic seam.
 template <int D, class Real>
-inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
-  Level<D, Real>& level = levels[i];
-  const Layout<D>& layout = level.layout;
+inline void cycle(const std::vector<OwnLevel<D, Real>>& levels, std::size_t i = 0) {
+  const Layout<D>& layout = levels[i].layout;
+  const Level<D, Real> level = levels[i].all();
   const Sweeps<D, Real> sweeps(level);
   const auto fetch = [&](int k) {  // what operation k reads across periodic ends: the colour it does not write
     if (k > 0) exchange(layout, level.x, 1 - k % 2);
@@ -263,8 +278,7 @@ inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
     for (int colour = 0; colour < 2; ++colour) sweeps.relax_zero(begin, end, colour);
     return;
   }
-  Level<D, Real>& coarse = levels[i + 1];
-  const Level<D, Real>*above = &coarse, *here = &level;
+  const Level<D, Real> coarse = levels[i + 1].all();
   const int half_sweeps = i == 0 ? 4 : 6;
   in_turn(layout, half_sweeps + 2, fetch, [=](int k, const Slices& part) {
     if (k == 0)
@@ -274,7 +288,7 @@ inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
     else if (k == half_sweeps)
       sweeps.residual(part.begin, part.end, 0);
     else
-      restrict_residual(*here, *above, 0, part);
+      restrict_residual(level, coarse, 0, part);
   });
   if (layout.odd) {
     exchange(layout, level.x, 0);
@@ -284,13 +298,13 @@ inline void cycle(std::vector<Level<D, Real>>& levels, std::size_t i = 0) {
           if (k == 0)
             sweeps.residual(part.begin, part.end, 1);
           else
-            restrict_residual(*here, *above, 1, part);
+            restrict_residual(level, coarse, 1, part);
         });
   }
   cycle(levels, i + 1);
   in_turn(layout, half_sweeps + 1, fetch, [=](int k, const Slices& part) {
     if (k == 0)
-      prolong(*above, *here, part.begin, part.end);
+      prolong(coarse, level, part.begin, part.end);
     else
       sweeps.relax(part.begin, part.end, k % 2);
   });

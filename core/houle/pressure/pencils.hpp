@@ -13,12 +13,15 @@
 #include <type_traits>
 #include <vector>
 
+#include <houle/exec/turn.hpp>
 #include <houle/grid/grid.hpp>
 
 namespace houle::multigrid {
 
-constexpr int width = 8;  // ranges are whole multiples of this many entries: no loop needs a remainder
+// Ranges are whole multiples of this many entries: no loop needs a remainder.
+constexpr int width = 8;
 
+// Where the cells of one pencil are, and which of them are active.
 struct Pencil {
   index at;                 // entry m = 0 in every array of the level
   index child;              // the same of its first pencil on the finer level
@@ -29,17 +32,23 @@ struct Pencil {
   std::int32_t parent_parity;
 };
 
-struct Seam {         // a pencil at one end of a periodic axis and the ghost pencil beyond the other end
+// A pencil at one end of a periodic axis and the ghost pencil beyond the other end.
+struct Seam {
   index from, to;     // first entries
   std::int32_t swap;  // an odd number of cells: equal colours meet
   std::int32_t axis;
 };
 
-// One number per cell, split by colour; entry m of a pencil is c[colour][pencil.at + m].
+// Where the numbers of a field are, one per cell, split by colour: entry m of a pencil is c[colour][pencil.at + m].
 template <class Real>
 struct Field {
-  std::vector<Real> store;
   std::array<Real*, 2> c{};
+};
+
+// A field and its memory.
+template <class Real>
+struct OwnField : Field<Real> {
+  std::vector<Real> store;
 
   // Zeroed; colours and fields are staggered so that streams do not share cache sets. only: the one colour that is
   // wanted; the other, null, has no memory.
@@ -49,6 +58,7 @@ struct Field {
     store.assign(static_cast<std::size_t>((only < 0 ? 2 : 1) * size + 132 * line), Real(0));
     auto address = reinterpret_cast<std::uintptr_t>(store.data());
     Real* base = store.data() + (64 - address % 64) % 64 / sizeof(Real) + line;
+    auto& c = this->c;
     c = {};
     for (int i = 0; i < 2; ++i) {
       if (only >= 0 && i != only) continue;
@@ -59,58 +69,22 @@ struct Field {
   }
 };
 
+// The pencils of a level as loops know them: numbers, and pointers to the tables of a Layout.
 template <int D>
-struct Layout {
+struct Pencils {
   std::array<index, D> n{};
   std::array<bool, D> wrap{};
-  index half = 0;                                // entries per pencil and colour
-  index shift = 0;                               // entries before m = 0: the ghost of a periodic last axis
-  std::array<index, D> step{};                   // entries between neighbouring pencils along each axis but the last
-  index size = 0;                                // entries per colour, ghost pencils included
-  index pencils = 0;                             // pencils inside the grid
-  std::vector<std::int32_t> first, last;         // active cells of every pencil inside: j in [first, last)
-  std::vector<std::int32_t> old_begin, old_end;  // active entries at the last setup
-  std::vector<Pencil> rows;                      // the pencils with active cells
-  std::vector<index> slice;                      // first row of each slice across the first axis, and the end
-  std::vector<index> load;                       // entries in the slices before each, and in all
-  std::vector<Seam> seams;
+  index half = 0;                     // entries per pencil and colour
+  index shift = 0;                    // entries before m = 0: the ghost of a periodic last axis
+  std::array<index, D> step{};        // entries between neighbouring pencils along each axis but the last
+  index size = 0;                     // entries per colour, ghost pencils included
+  index pencils = 0;                  // pencils inside the grid
+  std::int32_t *first, *last;         // active cells of every pencil inside: j in [first, last)
+  std::int32_t *old_begin, *old_end;  // active entries at the last setup
+  const Pencil* row;                  // the pencils with active cells
+  const index* slices;                // first row of each slice across the first axis, and the end
   index grain = 1;
   bool odd = false;  // an odd periodic axis: there cells of one colour meet, and relaxing one leaves residuals in it
-
-  Layout(const std::array<index, D>& shape, const std::array<bool, D>& periodic) : n(shape), wrap(periodic) {
-    for (int a = 0; a < D; ++a) wrap[a] = wrap[a] && n[a] > 1;
-    for (int a = 0; a < D; ++a) odd = odd || (wrap[a] && n[a] % 2 == 1);
-    shift = wrap[D - 1] ? 1 : 0;
-    const index used = (n[D - 1] + 1) / 2;
-    half = (std::max(n[D - 1] / 2 + 1, used + used % 2) + shift + width - 1) / width * width;  // the cell above too
-    size = half;
-    pencils = 1;
-    for (int a = D - 2; a >= 0; --a) {
-      step[a] = size;
-      size *= n[a] + 2;
-      pencils *= n[a];
-    }
-    first.assign(pencils, 0);
-    last.assign(pencils, 0);
-    old_begin.assign(pencils, 0);
-    old_end.assign(pencils, 0);
-    rows.reserve(pencils);
-    for (index p = 0; p < pencils; ++p) {
-      const auto i = place(p);
-      const index at = offset(i) - shift;
-      for (int a = 0; a < D - 1; ++a) {
-        if (!wrap[a]) continue;
-        const auto swap = static_cast<std::int32_t>(n[a] & 1);
-        if (i[a] == 0) seams.push_back({at, at + n[a] * step[a], swap, a});
-        if (i[a] == n[a] - 1) seams.push_back({at, at - n[a] * step[a], swap, a});
-      }
-    }
-    grain = std::max<index>(1, 4096 / half);
-    slice.assign(n[0] + 1, 0);
-    load.assign(n[0] + 1, 0);
-  }
-
-  bool wrapped() const { return shift > 0 || !seams.empty(); }
 
   std::array<index, D> place(index pencil) const {  // its indices; the last entry is unused
     std::array<index, D> i{};
@@ -151,6 +125,60 @@ struct Layout {
   bool shrinks(const Pencil& now, index p) const {
     return old_begin[p] < old_end[p] && (old_begin[p] < now.begin || old_end[p] > now.end);
   }
+};
+
+// The pencils of a level and the memory of their tables.
+template <int D>
+struct Layout : Pencils<D> {
+  using Base = Pencils<D>;
+  using Base::n, Base::wrap, Base::half, Base::shift, Base::step, Base::size, Base::pencils, Base::first, Base::last,
+      Base::old_begin, Base::old_end, Base::row, Base::slices, Base::grain, Base::odd, Base::place, Base::offset,
+      Base::pencil;
+  std::vector<std::int32_t> ranges;  // first, last, old_begin, old_end of every pencil
+  std::vector<Pencil> rows;          // what `row` points to, never moved to other memory
+  std::vector<index> slice;          // what `slices` points to
+  std::vector<index> load;           // entries in the slices before each, and in all
+  std::vector<Seam> seams;
+
+  Layout(const std::array<index, D>& shape, const std::array<bool, D>& periodic) {
+    n = shape;
+    wrap = periodic;
+    for (int a = 0; a < D; ++a) wrap[a] = wrap[a] && n[a] > 1;
+    for (int a = 0; a < D; ++a) odd = odd || (wrap[a] && n[a] % 2 == 1);
+    shift = wrap[D - 1] ? 1 : 0;
+    const index used = (n[D - 1] + 1) / 2;
+    half = (std::max(n[D - 1] / 2 + 1, used + used % 2) + shift + width - 1) / width * width;  // the cell above too
+    size = half;
+    pencils = 1;
+    for (int a = D - 2; a >= 0; --a) {
+      step[a] = size;
+      size *= n[a] + 2;
+      pencils *= n[a];
+    }
+    ranges.assign(4 * pencils, 0);
+    std::int32_t** const range[] = {&first, &last, &old_begin, &old_end};
+    for (int k = 0; k < 4; ++k) *range[k] = ranges.data() + k * pencils;
+    rows.reserve(pencils);
+    for (index p = 0; p < pencils; ++p) {
+      const auto i = place(p);
+      const index at = offset(i) - shift;
+      for (int a = 0; a < D - 1; ++a) {
+        if (!wrap[a]) continue;
+        const auto swap = static_cast<std::int32_t>(n[a] & 1);
+        if (i[a] == 0) seams.push_back({at, at + n[a] * step[a], swap, a});
+        if (i[a] == n[a] - 1) seams.push_back({at, at - n[a] * step[a], swap, a});
+      }
+    }
+    grain = std::max<index>(1, 4096 / half);
+    slice.assign(n[0] + 1, 0);
+    load.assign(n[0] + 1, 0);
+    row = rows.data();
+    slices = slice.data();
+  }
+
+  Layout(Layout&&) = default;  // a copy would point to the tables of another
+
+  bool wrapped() const { return shift > 0 || !seams.empty(); }
 
   // Lists the non-empty pencils, once first and last are known. finer, coarser: the levels beside, null if none.
   void list(const Layout* finer, const Layout* coarser) {
@@ -179,69 +207,71 @@ struct Layout {
 
 // Which cells are active, with a layer of ghosts around: empty at walls, wrapped on periodic axes.
 template <int D>
-class Mask {
- public:
-  explicit Mask(const std::array<index, D>& shape) {
-    const index row = shape[D - 1] + 2;
-    index rows = 1;
-    for (int a = D - 2; a >= 0; --a) {
-      step[a] = rows * row;
-      rows *= shape[a] + 2;
-    }
-    step[D - 1] = 1;
-    store_.assign(static_cast<std::size_t>(rows * row), 0);
-  }
-
-  // Cell 0 of the pencil at i.
-  std::uint8_t* pencil(const std::array<index, D>& i) { return store_.data() + offset(i); }
-  const std::uint8_t* pencil(const std::array<index, D>& i) const { return store_.data() + offset(i); }
-
-  // Copies active (cells, 0 or 1) and finds the active range of every pencil of the layout.
-  void copy(Layout<D>& layout, const std::uint8_t* active) {
-    auto* self = this;
-    auto* l = &layout;
-    const index n = layout.n[D - 1];
-    parallel_for(
-        layout.pencils,
-        [=](index p) {
-          const auto i = l->place(p);
-          const std::uint8_t* from = active + p * n;
-          std::uint8_t* to = self->pencil(i);
-          index first = 0, last = n;
-          while (first < n && !from[first]) ++first;
-          while (last > first && !from[last - 1]) --last;
-          l->first[p] = static_cast<std::int32_t>(first);
-          l->last[p] = static_cast<std::int32_t>(last);
-          std::memcpy(to, from, n);
-          if (l->wrap[D - 1]) {
-            to[-1] = to[n - 1];
-            to[n] = to[0];
-          }
-          for (int a = 0; a < D - 1; ++a) {
-            if (!l->wrap[a]) continue;
-            if (i[a] == 0) std::memcpy(to + l->n[a] * self->step[a], to, n);
-            if (i[a] == l->n[a] - 1) std::memcpy(to - l->n[a] * self->step[a], to, n);
-          }
-        },
-        layout.grain);
-  }
-
+struct Mask {
   std::array<index, D> step{};  // to the neighbour along each axis
+  std::uint8_t* flags = nullptr;
 
- private:
-  std::vector<std::uint8_t> store_;
-
-  index offset(const std::array<index, D>& i) const {
+  std::uint8_t* pencil(const std::array<index, D>& i) const {  // cell 0 of the pencil at i
     index at = 1;
     for (int a = 0; a < D - 1; ++a) at += (i[a] + 1) * step[a];
-    return at;
+    return flags + at;
   }
 };
 
-// weight: work on an entry, in those of a sweep.
+// A mask and its memory.
+template <int D>
+class OwnMask : public Mask<D> {
+ public:
+  explicit OwnMask(const std::array<index, D>& shape) {
+    const index row = shape[D - 1] + 2;
+    index rows = 1;
+    for (int a = D - 2; a >= 0; --a) {
+      this->step[a] = rows * row;
+      rows *= shape[a] + 2;
+    }
+    this->step[D - 1] = 1;
+    store_.assign(static_cast<std::size_t>(rows * row), 0);
+    this->flags = store_.data();
+  }
+  OwnMask(OwnMask&&) = default;
+
+ private:
+  std::vector<std::uint8_t> store_;
+};
+
+// Copies active (cells, 0 or 1) into the mask and finds the active range of every pencil.
+template <int D>
+inline void copy_active(const Pencils<D>& l, const Mask<D>& mask, const std::uint8_t* active) {
+  const index n = l.n[D - 1];
+  parallel_for(
+      l.pencils,
+      [=](index p) {
+        const auto i = l.place(p);
+        const std::uint8_t* from = active + p * n;
+        std::uint8_t* to = mask.pencil(i);
+        index first = 0, last = n;
+        while (first < n && !from[first]) ++first;
+        while (last > first && !from[last - 1]) --last;
+        l.first[p] = static_cast<std::int32_t>(first);
+        l.last[p] = static_cast<std::int32_t>(last);
+        std::memcpy(to, from, n);
+        if (l.wrap[D - 1]) {
+          to[-1] = to[n - 1];
+          to[n] = to[0];
+        }
+        for (int a = 0; a < D - 1; ++a) {
+          if (!l.wrap[a]) continue;
+          if (i[a] == 0) std::memcpy(to + l.n[a] * mask.step[a], to, n);
+          if (i[a] == l.n[a] - 1) std::memcpy(to - l.n[a] * mask.step[a], to, n);
+        }
+      },
+      l.grain);
+}
+
+// Calls body(pencil) for every pencil with active cells. weight: work on an entry, in those of a sweep.
 template <int D, class Body>
 inline void for_rows(const Layout<D>& l, Body body, index weight = 1) {
-  const Pencil* rows = l.rows.data();
+  const Pencil* rows = l.row;
   parallel_for(
       static_cast<index>(l.rows.size()), [=](index i) { body(rows[i]); }, std::max<index>(1, l.grain / weight));
 }
@@ -257,12 +287,14 @@ inline void with_entries(const Pencil& row, int colour, Body& body) {
     body(std::integral_constant<index, 0>{}, row.at + row.lo, n);
 }
 
+// Calls body(s, i, n), as with_entries does, for the cells of one colour in all pencils.
 template <int D, class Body>
 inline void sweep(const Layout<D>& l, int colour, Body body) {
   for_rows(l, [=](const Pencil& row) { with_entries(row, colour, body); });
 }
 
-struct Slices {  // across the first axis
+// Neighbouring slices across the first axis, from .. to - 1.
+struct Slices {
   index from, to;
   const Pencil *begin, *end;  // the pencils in them
 };
@@ -271,8 +303,8 @@ struct Slices {  // across the first axis
 // those beside them. before(k) is called before operation k where pencils meet across a periodic end.
 template <int D, class Before, class Op>
 inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
-  const Pencil* rows = l.rows.data();
-  const index* slice = l.slice.data();
+  const Pencil* rows = l.row;
+  const index* slice = l.slices;
   const auto run = [=](int k, index from, index to) { op(k, Slices{from, to, rows + slice[from], rows + slice[to]}); };
   const index slices = l.n[0], entries = l.load[slices];
   const auto bound = [&](int s, int shares) {  // equal work
@@ -309,7 +341,8 @@ struct Star {
   const Real* x;                          // the other colour
   std::array<index, D> step;
 
-  Star(const Layout<D>& l, const std::array<Field<Real>, D>& k, const Field<Real>& f, int colour)
+  template <class Coefficients>
+  Star(const Pencils<D>& l, const Coefficients& k, const Field<Real>& f, int colour)
       : x(f.c[1 - colour]), step(l.step) {
     for (int a = 0; a < D; ++a) {
       own[a] = k[a].c[colour];

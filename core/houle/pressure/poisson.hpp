@@ -15,11 +15,136 @@
 
 namespace houle {
 
-struct SolveResult {
-  int iterations;   // -1: the tolerance was not reached
-  double residual;  // max-norm, recomputed from p
+namespace multigrid {
+
+// The finest level and the vectors of conjugate gradients, as loops over its pencils know them.
+template <int D, class Real>
+struct Finest {
+  Level<D, Real> level;
+  Mask<D> mask;
+  std::array<Field<double>, D> k;
+  Field<double> d, inverse, x, b, direction;
+  Field<Real> q;
+
+  // Zeroes what was active in pencil p at the last set-up and is not now.
+  void clear(index p) const {
+    const Pencils<D>& l = level.layout;
+    const Pencil now = l.pencil(p);
+    if (l.shrinks(now, p)) {
+      for (auto& f : k) l.clear(f, now, p);
+      for (auto* f : {&d, &inverse, &x, &b, &direction}) l.clear(*f, now, p);
+      l.clear(q, now, p);
+    }
+    level.clear(now, p);
+  }
+
+  // The system of pencil p.
+  void fill(index p, ConstFaces<D> k_f, const double* e) const {
+    const Pencils<D>& l = level.layout;
+    if (l.first[p] >= l.last[p]) return;
+    const Pencil row = l.pencil(p);
+    const auto i = l.place(p);
+    const index n = l.n[D - 1];
+    std::array<const double*, D> k_lo, k_hi;
+    for (int a = 0; a < D - 1; ++a) {
+      index face = 0;
+      for (int t = 0; t < D - 1; ++t) face = face * (l.n[t] + (t == a)) + i[t];
+      index up = n;
+      for (int t = a + 1; t < D - 1; ++t) up *= l.n[t];
+      k_lo[a] = k_f[a] + face * n;
+      k_hi[a] = k_lo[a] + up;
+    }
+    k_lo[D - 1] = k_f[D - 1] + p * (n + 1);
+    k_hi[D - 1] = k_lo[D - 1] + 1;
+    const std::uint8_t* in_water = mask.pencil(i);
+    const std::array<index, D> mask_step = mask.step;
+    const double* extra = e + p * n;
+    for (index s = 0; s < 2; ++s) {
+      const int c = (row.parity + static_cast<int>(s)) & 1;
+      const index end = std::min<index>(row.end, (n - s + 1) / 2);
+      std::array<double*, D> kd;
+      std::array<Real*, D> kf;
+      for (int a = 0; a < D; ++a) {
+        kd[a] = k[a].c[c] + row.at;
+        kf[a] = level.k[a].c[c] + row.at;
+      }
+      double* diagonal = d.c[c] ? d.c[c] + row.at : nullptr;
+      double* over = inverse.c[c] ? inverse.c[c] + row.at : nullptr;
+      Real *ef = level.e().c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
+      HOULE_INDEPENDENT
+      for (index m = row.begin; m < end; ++m) {
+        const index j = 2 * m + s;
+        const bool in = in_water[j] != 0;
+        const double value = extra[j];
+        double sum = in ? value : 0.0;
+        ef[m] = static_cast<Real>(sum);
+        for (int a = 0; a < D; ++a) {
+          const double lower = k_lo[a][j], upper = k_hi[a][j];
+          const bool below = in_water[j - mask_step[a]] != 0, above = in_water[j + mask_step[a]] != 0;
+          const double v = (in & below) ? lower : 0.0, w = (in & above) ? upper : 0.0;
+          kd[a][m] = v;
+          kf[a][m] = static_cast<Real>(v);
+          sum += v + w;
+        }
+        const double one_over = sum > 0 ? 1 / sum : 0.0;
+        if (diagonal) diagonal[m] = sum;
+        if (over) over[m] = one_over;
+        inversef[m] = static_cast<Real>(one_over);
+      }
+    }
+  }
+
+  // The first guess and the right-hand side of pencil r, zero outside the active cells.
+  template <class Number>
+  void load(index r, const Number* p, const double* rhs) const {
+    const Pencils<D>& l = level.layout;
+    if (l.first[r] >= l.last[r]) return;
+    const index n = l.n[D - 1];
+    const Pencil row = l.pencil(r);
+    for (index s = 0; s < 2; ++s) {
+      const int c = (row.parity + static_cast<int>(s)) & 1;
+      const index end = std::min<index>(row.end, (n - s + 1) / 2);
+      const Real* over = level.inverse.c[c] + row.at;
+      double *to_x = x.c[c] + row.at, *to_b = b.c[c] + row.at;
+      const Number* guess = p + r * n + s;
+      const double* source = rhs + r * n + s;
+      HOULE_INDEPENDENT
+      for (index m = row.begin; m < end; ++m) {
+        const double g = guess[2 * m], f = source[2 * m];
+        to_x[m] = over[m] > 0 ? g : 0.0;
+        to_b[m] = over[m] > 0 ? f : 0.0;
+      }
+    }
+  }
+
+  // The solution of pencil p; single may be null.
+  void store(index p, double* to, float* single) const {
+    const Pencils<D>& l = level.layout;
+    const index n = l.n[D - 1];
+    const Pencil row = l.pencil(p);
+    double* target = to + p * n;
+    std::fill(target, target + std::min<index>(n, 2 * row.begin), 0.0);
+    std::fill(target + std::min<index>(n, 2 * row.end), target + n, 0.0);
+    for (index s = 0; s < 2; ++s) {
+      const int c = (row.parity + static_cast<int>(s)) & 1;
+      const index end = std::min<index>(row.end, (n - s + 1) / 2);
+      const double* from = x.c[c] + row.at;
+      HOULE_INDEPENDENT
+      for (index m = row.begin; m < end; ++m) target[2 * m + s] = from[m];
+    }
+    if (single) std::copy(target, target + n, single + p * n);
+  }
 };
 
+}  // namespace multigrid
+
+// What a solve took and left.
+struct SolveResult {
+  int iterations;   // -1: the tolerance was not reached
+  double residual;  // max-norm of rhs - A p, recomputed from p, in the units of rhs
+};
+
+// The solver of a grid. setup() takes the system, solve() as many right-hand sides as there are.
 template <int D, class Real = float>
 class PressureSolver {
  public:
@@ -37,7 +162,7 @@ class PressureSolver {
 
   // active (cells, 0 or 1), k (faces), e (cells): the system of the following solves. Copies what it needs.
   void setup(const std::uint8_t* active, ConstFaces<D> k, const double* e) {
-    mask_.copy(fine(), active);
+    multigrid::copy_active<D>(fine(), mask_, active);
     build_fine(k, e);
     for (std::size_t i = 1; i < levels_.size(); ++i) multigrid::coarsen(levels_[i - 1], levels_[i], coarser(i));
     components_.find(fine(), mask_, k, e);
@@ -103,16 +228,16 @@ class PressureSolver {
 
  private:
   using Pencil = multigrid::Pencil;
-  using Doubles = multigrid::Field<double>;
+  using Doubles = multigrid::OwnField<double>;
 
   Grid<D> grid_;
-  std::vector<multigrid::Level<D, Real>> levels_;
+  std::vector<multigrid::OwnLevel<D, Real>> levels_;
   std::array<Doubles, D> k_;
   Doubles d_, inverse_;  // of the red and of the black cells only, as everything is reduced to the red ones
   Doubles x_, b_, p_;
-  multigrid::Field<Real> q_;
+  multigrid::OwnField<Real> q_;
   std::vector<double> part_;  // one partial result per block of pencils
-  multigrid::Mask<D> mask_;
+  multigrid::OwnMask<D> mask_;
   multigrid::ClosedComponents<D> components_;
   double scale_ = 1;
 
@@ -121,8 +246,8 @@ class PressureSolver {
     return i + 1 < levels_.size() ? &levels_[i + 1].layout : nullptr;
   }
 
-  static std::vector<multigrid::Level<D, Real>> hierarchy(const Grid<D>& grid) {
-    std::vector<multigrid::Level<D, Real>> levels;
+  static std::vector<multigrid::OwnLevel<D, Real>> hierarchy(const Grid<D>& grid) {
+    std::vector<multigrid::OwnLevel<D, Real>> levels;
     auto shape = grid.shape;
     levels.emplace_back(shape, grid.periodic);
     while (*std::max_element(shape.begin(), shape.end()) > 1) {
@@ -132,85 +257,24 @@ class PressureSolver {
     return levels;
   }
 
+  multigrid::Finest<D, Real> finest() const {
+    multigrid::Finest<D, Real> all{levels_[0].all(), mask_, {}, d_, inverse_, x_, b_, p_, q_};
+    for (int a = 0; a < D; ++a) all.k[a] = k_[a];
+    return all;
+  }
+
   void build_fine(ConstFaces<D> k, const double* e) {
-    auto* self = this;
     auto& l = fine();
-    parallel_for(l.pencils, [=](index p) { self->clear_fine(p); }, l.grain);
+    const auto all = finest();
+    parallel_for(l.pencils, [=](index p) { all.clear(p); }, l.grain);
     l.list(nullptr, coarser(0));
-    parallel_for(l.pencils, [=](index p) { self->fill_fine(p, k, e); }, l.grain);
+    parallel_for(l.pencils, [=](index p) { all.fill(p, k, e); }, l.grain);
     auto& level = levels_[0];
     for (int a = 0; a < D; ++a)
       for (int c = 0; c < 2; ++c) {
         multigrid::exchange(l, k_[a], c, a);
         multigrid::exchange(l, level.k[a], c, a);
       }
-  }
-
-  void clear_fine(index p) {
-    auto& l = fine();
-    const Pencil now = l.pencil(p);
-    if (l.shrinks(now, p)) {
-      for (auto& f : k_) l.clear(f, now, p);
-      for (auto* f : {&d_, &inverse_, &x_, &b_, &p_}) l.clear(*f, now, p);
-      l.clear(q_, now, p);
-    }
-    levels_[0].clear(now, p);
-  }
-
-  void fill_fine(index p, ConstFaces<D> k, const double* e) {
-    auto& l = fine();
-    if (l.first[p] >= l.last[p]) return;
-    const Pencil row = l.pencil(p);
-    const auto i = l.place(p);
-    const index n = grid_.shape[D - 1];
-    std::array<const double*, D> k_lo, k_hi;
-    for (int a = 0; a < D - 1; ++a) {
-      index face = 0;
-      for (int t = 0; t < D - 1; ++t) face = face * (l.n[t] + (t == a)) + i[t];
-      index up = n;
-      for (int t = a + 1; t < D - 1; ++t) up *= l.n[t];
-      k_lo[a] = k[a] + face * n;
-      k_hi[a] = k_lo[a] + up;
-    }
-    k_lo[D - 1] = k[D - 1] + p * (n + 1);
-    k_hi[D - 1] = k_lo[D - 1] + 1;
-    const std::uint8_t* mask = mask_.pencil(i);
-    const std::array<index, D> mask_step = mask_.step;
-    const double* extra = e + p * n;
-    auto& level = levels_[0];
-    for (index s = 0; s < 2; ++s) {
-      const int c = (row.parity + static_cast<int>(s)) & 1;
-      const index end = std::min<index>(row.end, (n - s + 1) / 2);
-      std::array<double*, D> kd;
-      std::array<Real*, D> kf;
-      for (int a = 0; a < D; ++a) {
-        kd[a] = k_[a].c[c] + row.at;
-        kf[a] = level.k[a].c[c] + row.at;
-      }
-      double* d = d_.c[c] ? d_.c[c] + row.at : nullptr;
-      double* inverse = inverse_.c[c] ? inverse_.c[c] + row.at : nullptr;
-      Real *ef = level.e().c[c] + row.at, *inversef = level.inverse.c[c] + row.at;
-      HOULE_INDEPENDENT
-      for (index m = row.begin; m < end; ++m) {
-        const index j = 2 * m + s;
-        const bool in = mask[j] != 0;
-        const double value = extra[j];
-        double sum = in ? value : 0.0;
-        ef[m] = static_cast<Real>(sum);
-        for (int a = 0; a < D; ++a) {
-          const double lower = k_lo[a][j], upper = k_hi[a][j];
-          const bool below = mask[j - mask_step[a]] != 0, above = mask[j + mask_step[a]] != 0;
-          const double v = (in & below) ? lower : 0.0, w = (in & above) ? upper : 0.0;
-          kd[a][m] = v;
-          kf[a][m] = static_cast<Real>(v);
-          sum += v + w;
-        }
-        const double one_over = sum > 0 ? 1 / sum : 0.0;
-        if (d) d[m] = sum;
-        if (inverse) inverse[m] = one_over;
-        inversef[m] = static_cast<Real>(one_over);
-      }
-    }
   }
 
   // ---- conjugate gradients
@@ -223,54 +287,14 @@ class PressureSolver {
   }
 
   template <class Number>
-  void load(const Number* p, const double* rhs) {  // the first guess, the right-hand side
-    auto* self = this;
-    const index n = grid_.shape[D - 1];
-    parallel_for(
-        fine().pencils,
-        [=](index r) {
-          auto& l = self->fine();
-          if (l.first[r] >= l.last[r]) return;
-          const Pencil row = l.pencil(r);
-          for (index s = 0; s < 2; ++s) {
-            const int c = (row.parity + static_cast<int>(s)) & 1;
-            const index end = std::min<index>(row.end, (n - s + 1) / 2);
-            const Real* inverse = self->levels_[0].inverse.c[c] + row.at;
-            double *x = self->x_.c[c] + row.at, *b = self->b_.c[c] + row.at;
-            const Number* guess = p + r * n + s;
-            const double* source = rhs + r * n + s;
-            HOULE_INDEPENDENT
-            for (index m = row.begin; m < end; ++m) {
-              const double g = guess[2 * m], f = source[2 * m];
-              x[m] = inverse[m] > 0 ? g : 0.0;
-              b[m] = inverse[m] > 0 ? f : 0.0;
-            }
-          }
-        },
-        fine().grain);
+  void load(const Number* p, const double* rhs) {
+    const auto all = finest();
+    parallel_for(fine().pencils, [=](index r) { all.load(r, p, rhs); }, fine().grain);
   }
 
   void store(double* to, float* single) {
-    auto* self = this;
-    const index n = grid_.shape[D - 1];
-    parallel_for(
-        fine().pencils,
-        [=](index p) {
-          auto& l = self->fine();
-          const Pencil row = l.pencil(p);
-          double* target = to + p * n;
-          std::fill(target, target + std::min<index>(n, 2 * row.begin), 0.0);
-          std::fill(target + std::min<index>(n, 2 * row.end), target + n, 0.0);
-          for (index s = 0; s < 2; ++s) {
-            const int c = (row.parity + static_cast<int>(s)) & 1;
-            const index end = std::min<index>(row.end, (n - s + 1) / 2);
-            const double* x = self->x_.c[c] + row.at;
-            HOULE_INDEPENDENT
-            for (index m = row.begin; m < end; ++m) target[2 * m + s] = x[m];
-          }
-          if (single) std::copy(target, target + n, single + p * n);
-        },
-        fine().grain);
+    const auto all = finest();
+    parallel_for(fine().pencils, [=](index p) { all.store(p, to, single); }, fine().grain);
   }
 
   template <class One, class Other>
@@ -302,7 +326,7 @@ class PressureSolver {
   template <class Body, class Combine>
   double reduce(Body body, Combine combine) {
     double* part = part_.data();
-    const Pencil* rows = fine().rows.data();
+    const Pencil* rows = fine().row;
     const auto n = static_cast<index>(fine().rows.size());
     const int colours = this->colours();
     const index blocks = (n + block - 1) / block;
@@ -330,7 +354,7 @@ class PressureSolver {
 
   using Star = multigrid::Star<D, double>;
 
-  const multigrid::Field<Real>& residual() const { return levels_[0].b; }  // what the cycle starts from
+  const multigrid::OwnField<Real>& residual() const { return levels_[0].b; }  // what the cycle starts from
 
   void extend(const Doubles& f, const double* rhs) {  // the black values that leave no black residual
     if (colours() == 2) return;

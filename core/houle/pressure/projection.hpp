@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include <houle/exec/turn.hpp>
 #include <houle/water/surface.hpp>
 
 namespace houle {

@@ -1,6 +1,7 @@
 // Moving the particles: with the pore velocity u_d / n, along the correction, and never through walls, gates or solids.
 #pragma once
 
+#include <houle/exec/reduce.hpp>
 #include <houle/water/solids.hpp>
 #include <houle/water/surface.hpp>
 

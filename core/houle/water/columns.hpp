@@ -2,8 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
-#include <houle/exec/parallel.hpp>
+#include <houle/exec/loop.hpp>
 #include <houle/grid/grid.hpp>
 
 namespace houle {

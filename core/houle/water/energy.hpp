@@ -1,6 +1,7 @@
 // Sums for the ledger: kinetic and potential energy, momentum, volume. Block-wise, so the same for any threads.
 #pragma once
 
+#include <houle/exec/reduce.hpp>
 #include <houle/water/forces.hpp>
 
 namespace houle {
@@ -32,6 +33,7 @@ inline std::array<double, ranges> sums_by_four(const std::array<index, ranges>& 
   return sum;
 }
 
+// Sum of term(i), i = 0..n-1, in the same order.
 template <class Term>
 inline double sum_by_four(index n, Term term) {
   return sums_by_four<1>({n}, [=](std::size_t, index i) { return term(i); })[0];

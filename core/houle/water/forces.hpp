@@ -1,6 +1,7 @@
 // Gravity, porous drag and the Bernoulli force on the faces of the MAC grid.
 #pragma once
 
+#include <houle/exec/reduce.hpp>
 #include <houle/water/surface.hpp>
 
 namespace houle {

@@ -37,6 +37,7 @@ struct Interface {
   bool across(int a) const { return normal[a] * normal[a] > 0.99; }
 };
 
+// All interfaces and gates of a tank: which of them is near to each cell, and the medium of each face.
 template <int D>
 struct Interfaces {
   const std::int32_t* number = nullptr;  // cells: of the interface in the list, -1 far from any; null: there are none
@@ -79,6 +80,7 @@ HOULE_NOINLINE inline std::array<double, count> own_weights(const Interfaces<D> 
   return weight;
 }
 
+// A copy of the point x (D,).
 template <int D>
 inline std::array<double, D> point(const double* x) {
   std::array<double, D> at;

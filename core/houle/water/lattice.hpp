@@ -3,13 +3,16 @@
 
 #include <vector>
 
+#include <houle/exec/scatter.hpp>
+#include <houle/exec/sort.hpp>
 #include <houle/grid/gates.hpp>
 #include <houle/water/interfaces.hpp>
 
 namespace houle {
 
+// The nodes, two per cell and axis, and where a position lies among them.
 template <int D>
-struct Lattice {  // the nodes, and where a position lies among them
+struct Lattice {
   std::array<index, D> shape{}, stride{};
   std::array<double, D> h{};
   std::array<bool, D> periodic{};
@@ -158,7 +161,7 @@ class Slabs {
     std::vector<std::int32_t> slab(static_cast<std::size_t>(n));
     std::int32_t* s = slab.data();
     const index count = count_;
-    parallel_for(n, [=, &l](index p) {
+    parallel_for(n, [=](index p) {
       const index i = static_cast<index>(l.scaled(0, x[p * D]) + 0.5);
       s[p] = static_cast<std::int32_t>(std::min(i, nodes - 1) * count / nodes);
     });

@@ -13,6 +13,7 @@
 
 namespace houle {
 
+// The matrix of a grid, made anew in every transfer().
 template <int D>
 class MassMatrix {
  public:
@@ -46,15 +47,66 @@ class MassMatrix {
     index height;  // nodes, from the bottom
   };
 
+  // What loops know of the matrix of one axis, and its product with a field.
+  struct Links {
+    Grid<D> grid;
+    std::array<index, D> shape{};  // of the faces
+    index line = 0;                // entries of a row of faces; of these, nodes of their own:
+    index around = 0;
+    const Row* row = nullptr;
+    double* store = nullptr;  // momentum sum_p m_p w_fp u_p, then the links: arrays of `nodes`
+    index nodes = 0;
+
+    // out += factor (M v) on row r; v (faces) null: 1
+    void add_product(index r, double factor, const double* v, double* out) const {
+      const auto i = Grid<D>::unflat(r, rows_of<D>(shape));
+      for (int l = 0; l < links; ++l) {
+        auto o = offset_of(l);
+        const index after = beside(i, o, 1);
+        if (after >= 0) add_link(l, r, r, after, 0, o[up], factor, v, out);
+        const index before = beside(i, o, -1);
+        if (before >= 0 && l > 0) add_link(l, r, before, before, -o[up], -o[up], factor, v, out);
+      }
+    }
+
+    // The row at `times` the offset from row i, -1 if there is none.
+    index beside(const std::array<index, D>& i, const std::array<int, D>& offset, int times) const {
+      const auto stride = Grid<D>::strides(rows_of<D>(shape));
+      index found = 0;
+      for (int b = 0; b < up; ++b) {
+        index j = i[b] + times * offset[b];
+        if (grid.periodic[b]) j = (j + grid.shape[b]) % grid.shape[b];
+        if (j < 0 || j >= shape[b]) return -1;
+        found += j * stride[b];
+      }
+      return found;
+    }
+
+    // out[k] += factor c[k + s] v[k + t] on row r, with c link l on row `from`, v on row `to`
+    void add_link(int l, index r, index from, index to, index s, index t, double factor, const double* v,
+                  double* out) const {
+      const double* c = store + (1 + l) * nodes + row[from].first + s;
+      const double* x = v ? v + to * line + t : nullptr;
+      const index begin = std::max<index>({0, -s, -t});
+      const index end = std::min({row[r].height, row[from].height - s, around - t});
+      if (x) {
+        HOULE_INDEPENDENT
+        for (index k = begin; k < end; ++k) out[k] += factor * c[k] * x[k];
+      } else {
+        HOULE_INDEPENDENT
+        for (index k = begin; k < end; ++k) out[k] += factor * c[k];
+      }
+      if (!grid.periodic[up] || t == 0 || row[r].height == 0 || row[from].height == 0) return;
+      const index k = t > 0 ? around - 1 : 0, turn = t > 0 ? -around : around;  // across the periodic ends
+      out[k] += factor * c[k + (s == 0 ? 0 : turn)] * (x ? x[k + turn] : 1.0);
+    }
+  };
+
   Grid<D> grid_;
   std::vector<std::int32_t> top_;  // of each row of cells: one more than the highest cell with particles
-  std::array<index, D> shape_{};   // of the faces of the present axis
-  index line_ = 0;                 // entries of a row of faces; of these, nodes of their own:
-  index around_ = 0;
   std::vector<Row> rows_;
-  double* store_ = nullptr;  // momentum sum_p m_p w_fp u_p, then the links: arrays of `nodes_`
-  std::vector<double> own_;  // its memory where none is lent
-  index nodes_ = 0;
+  std::vector<double> own_;  // memory of the matrix where none is lent
+  Links now_;                // the matrix of the present axis
 
   // Number of the link from a corner of a particle's stencil to the same or a later one: the offset (-1, 0 or 1 along
   // every axis, the first that is not 0 positive) read as a number to the base 3.
@@ -88,13 +140,12 @@ class MassMatrix {
 
   // The rows of the faces of an axis: a particle reaches one node beyond its cell, along every axis.
   void list_rows(int a, std::span<double> lent) {
-    shape_ = grid_.face_shape(a);
-    line_ = shape_[up];
-    around_ = grid_.periodic[up] ? grid_.shape[up] : line_;
-    const auto rows = rows_of<D>(shape_), cells = rows_of<D>(grid_.shape);
+    const auto shape = grid_.face_shape(a);
+    const index line = shape[up], around = grid_.periodic[up] ? grid_.shape[up] : line;
+    const auto rows = rows_of<D>(shape), cells = rows_of<D>(grid_.shape);
     const auto stride = Grid<D>::strides(cells);
-    rows_.resize(static_cast<std::size_t>(grid_.faces(a) / line_));
-    nodes_ = 0;
+    rows_.resize(static_cast<std::size_t>(grid_.faces(a) / line));
+    index nodes = 0;
     for (index r = 0; r < static_cast<index>(rows_.size()); ++r) {
       const auto i = Grid<D>::unflat(r, rows);
       bool own = true;  // not the repetition of the first on a periodic axis
@@ -106,13 +157,13 @@ class MassMatrix {
         for (int b = 0; b < up; ++b, code /= 3) j[b] = inside(i[b] + code % 3 - 1, cells[b], grid_.periodic[b]);
         top = std::max<index>(top, top_[Grid<D>::flat(j, stride)]);
       }
-      const index height = top == 0 || !own ? 0 : (grid_.periodic[up] ? around_ : std::min(top + 1, line_));
-      rows_[r] = {nodes_, height};
-      nodes_ += height;
+      const index height = top == 0 || !own ? 0 : (grid_.periodic[up] ? around : std::min(top + 1, line));
+      rows_[r] = {nodes, height};
+      nodes += height;
     }
-    const auto wanted = static_cast<std::size_t>((links + 1) * nodes_);
+    const auto wanted = static_cast<std::size_t>((links + 1) * nodes);
     if (wanted > lent.size() && wanted > own_.size()) own_.resize(wanted);
-    store_ = wanted <= lent.size() ? lent.data() : own_.data();
+    now_ = {grid_, shape, line, around, rows_.data(), wanted <= lent.size() ? lent.data() : own_.data(), nodes};
   }
 
   // The cell of a particle that reaches these nodes of the faces of axis a.
@@ -130,11 +181,11 @@ class MassMatrix {
   template <int a>
   void sum_particles(const Cloud<D>& cloud, const double* u) {
     const Grid<D> g = grid_;
-    const auto stride = Grid<D>::strides(rows_of<D>(shape_));
-    const Row* rows = rows_.data();
-    const index nodes = nodes_, line = line_;
+    const auto stride = Grid<D>::strides(rows_of<D>(now_.shape));
+    const Row* rows = now_.row;
+    const index nodes = now_.nodes, line = now_.line;
     const Interfaces<D> media = cloud.media;
-    double* store = store_;
+    double* store = now_.store;
     each_row([=](index, const Row& row, index) {
       for (int l = 0; l <= links; ++l) std::fill_n(store + l * nodes + row.first, row.height, 0.0);
     });
@@ -200,79 +251,37 @@ class MassMatrix {
   // Calls visit(row, first face of the row) for every row of faces.
   template <class Visit>
   void each_row(Visit visit) const {
-    const Row* rows = rows_.data();
-    const index line = line_;
+    const Row* rows = now_.row;
+    const index line = now_.line;
     parallel_for(static_cast<index>(rows_.size()), [=](index r) { visit(r, rows[r], r * line); }, 16);
   }
 
   // mass = M 1, the weights of a particle having the sum 1; velocity = momentum / mass.
   void divide(double* mass, double* velocity) const {
-    each_row([=, this](index r, const Row& row, index face) {
+    const Links now = now_;
+    each_row([=](index r, const Row& row, index face) {
       double *m = mass + face, *v = velocity + face;
-      const double* momentum = store_ + row.first;
-      std::fill(m, m + line_, 0.0);
-      add_product(r, 1.0, nullptr, m);
+      const double* momentum = now.store + row.first;
+      std::fill(m, m + now.line, 0.0);
+      now.add_product(r, 1.0, nullptr, m);
       HOULE_INDEPENDENT
       for (index k = 0; k < row.height; ++k) v[k] = m[k] > 0.0 ? momentum[k] / m[k] : 0.0;
-      std::fill(v + row.height, v + line_, 0.0);
+      std::fill(v + row.height, v + now.line, 0.0);
     });
   }
 
-  // next = now + (momentum - M now) / mass
-  void refine(const double* mass, const double* now, double* next) const {
-    each_row([=, this](index r, const Row& row, index face) {
-      const double *m = mass + face, *v = now + face, *momentum = store_ + row.first;
+  // next = before + (momentum - M before) / mass
+  void refine(const double* mass, const double* before, double* next) const {
+    const Links now = now_;
+    each_row([=](index r, const Row& row, index face) {
+      const double *m = mass + face, *v = before + face, *momentum = now.store + row.first;
       double* w = next + face;
       std::copy(momentum, momentum + row.height, w);
-      std::fill(w + row.height, w + line_, 0.0);
-      add_product(r, -1.0, now, w);
+      std::fill(w + row.height, w + now.line, 0.0);
+      now.add_product(r, -1.0, before, w);
       HOULE_INDEPENDENT
       for (index k = 0; k < row.height; ++k) w[k] = m[k] > 0.0 ? v[k] + w[k] / m[k] : 0.0;
     });
-  }
-
-  // out += factor (M v) on row r; v (faces) null: 1
-  void add_product(index r, double factor, const double* v, double* out) const {
-    const auto i = Grid<D>::unflat(r, rows_of<D>(shape_));
-    for (int l = 0; l < links; ++l) {
-      auto o = offset_of(l);
-      const index after = beside(i, o, 1);
-      if (after >= 0) add_link(l, r, r, after, 0, o[up], factor, v, out);
-      const index before = beside(i, o, -1);
-      if (before >= 0 && l > 0) add_link(l, r, before, before, -o[up], -o[up], factor, v, out);
-    }
-  }
-
-  // The row at `times` the offset from row i, -1 if there is none.
-  index beside(const std::array<index, D>& i, const std::array<int, D>& offset, int times) const {
-    const auto stride = Grid<D>::strides(rows_of<D>(shape_));
-    index row = 0;
-    for (int b = 0; b < up; ++b) {
-      index j = i[b] + times * offset[b];
-      if (grid_.periodic[b]) j = (j + grid_.shape[b]) % grid_.shape[b];
-      if (j < 0 || j >= shape_[b]) return -1;
-      row += j * stride[b];
-    }
-    return row;
-  }
-
-  // out[k] += factor c[k + s] v[k + t] on row r, with c link l on row `from`, v on row `to`
-  void add_link(int l, index r, index from, index to, index s, index t, double factor, const double* v,
-                double* out) const {
-    const double* c = store_ + (1 + l) * nodes_ + rows_[from].first + s;
-    const double* x = v ? v + to * line_ + t : nullptr;
-    const index begin = std::max<index>({0, -s, -t});
-    const index end = std::min({rows_[r].height, rows_[from].height - s, around_ - t});
-    if (x) {
-      HOULE_INDEPENDENT
-      for (index k = begin; k < end; ++k) out[k] += factor * c[k] * x[k];
-    } else {
-      HOULE_INDEPENDENT
-      for (index k = begin; k < end; ++k) out[k] += factor * c[k];
-    }
-    if (!grid_.periodic[up] || t == 0 || rows_[r].height == 0 || rows_[from].height == 0) return;
-    const index k = t > 0 ? around_ - 1 : 0, turn = t > 0 ? -around_ : around_;  // across the periodic ends
-    out[k] += factor * c[k + (s == 0 ? 0 : turn)] * (x ? x[k + turn] : 1.0);
   }
 };
 

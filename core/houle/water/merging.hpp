@@ -1,6 +1,7 @@
 // Nodes that hold hardly anything, or less than nothing, are merged with others in sight.
 #pragma once
 
+#include <houle/exec/scan.hpp>
 #include <houle/water/nodes.hpp>
 
 namespace houle {
@@ -33,9 +34,8 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D>& 
 // A node still in debt is paid off by the fullest node in sight that has amply more than the debt, however far: rare,
 // so one by one. Its volume can be in debt and its bulk not, where the porosity changes.
 template <int D>
-inline bool repay(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, index r,
-                  Gathered<D>* nodes) {
-  const std::int32_t* number = receivers.number.data();
+inline bool repay(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, index r, Gathered<D>* nodes) {
+  const std::int32_t* number = receivers.number;
   const double debt = 4 * std::max(std::abs(nodes[r].bulk), std::abs(nodes[r].volume));
   const auto rich = [=](const Gathered<D>& g) { return g.bulk > debt && g.volume > debt; };
   for (index radius = 2; radius <= remesh::far; radius *= 2) {
@@ -50,9 +50,9 @@ inline bool repay(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>
 // Where no node has so much the nearest give the debtor all they have, until it owns amply more than it owed: the water
 // of a drop or a tip in one particle, if need be.
 template <int D>
-inline void collect(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, index r,
+inline void collect(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, index r,
                     Gathered<D>* nodes) {
-  const std::int32_t *number = receivers.number.data(), *node = receivers.node.data();
+  const std::int32_t *number = receivers.number, *node = receivers.node;
   const double volume = std::max(0.0, -3 * nodes[r].volume), bulk = std::max(0.0, -3 * nodes[r].bulk);
   for (index radius = 1; radius <= remesh::far;) {
     if (nodes[r].sound() && nodes[r].volume >= volume && nodes[r].bulk >= bulk) return;
@@ -68,15 +68,15 @@ inline void collect(const Lattice<D>& l, const Pores<D>& pores, const Receivers<
 // Nodes that hold less than `keep` of a half cell, or less than nothing, give it all away to a neighbour that holds
 // more; a little water with no neighbour to go to stays. A node that has given has nothing, and is given nothing.
 template <int D>
-inline void merge_small(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, Gathered<D>* nodes) {
-  const index count = receivers.count();
-  const std::int32_t *number = receivers.number.data(), *node = receivers.node.data();
+inline void merge_small(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, Gathered<D>* nodes) {
+  const index count = receivers.count;
+  const std::int32_t *number = receivers.number, *node = receivers.node;
   const double enough = remesh::keep * l.volume;
   const auto holds = [=](const Gathered<D>& g) { return g.bulk > enough; };
   std::vector<std::int32_t> target(count);
   std::int32_t* to = target.data();
   for (bool all = false; !all;) {  // a debt can leave the node that pays it with little
-    parallel_for(count, [=, &l, &pores](index r) {
+    parallel_for(count, [=](index r) {
       to[r] = -1;
       if (nodes[r].bulk >= enough || nodes[r].nothing()) return;
       for (int radius = 1; radius <= 3 && to[r] < 0; ++radius)

@@ -2,10 +2,12 @@
 // hold.
 #pragma once
 
+#include <houle/exec/scan.hpp>
 #include <houle/water/lattice.hpp>
 
 namespace houle {
 
+// The particles that are remeshed: position [m], Darcy velocity [m/s], volume of water [m^D], porosity [-].
 template <int D>
 struct ParticleView {
   index n;
@@ -13,8 +15,9 @@ struct ParticleView {
   double bulk(index i) const { return porosity ? volume[i] / porosity[i] : volume[i]; }
 };
 
+// The pores of the half cells around the nodes.
 template <int D>
-struct Pores {              // of the half cells
+struct Pores {
   Listed cells;             // porosity at the cell centres, between which it is linear; null: 1
   const std::int8_t* body;  // of each half cell: negative in solids
   Interfaces<D> media{};    // across which the velocity along them is not handed,
@@ -53,6 +56,7 @@ struct Pores {              // of the half cells
   }
 };
 
+// New particles: position (n, D) [m], Darcy velocity (n, D) [m/s], volume of water (n,) [m^D].
 template <int D>
 struct ParticleArrays {
   std::vector<double> x, u, volume;
@@ -66,7 +70,7 @@ inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs,
                                      const unsigned char* stays = nullptr) {
   std::vector<double> fill(static_cast<std::size_t>(l.nodes()), 0.0);
   double* f = fill.data();
-  slabs.scatter([=, &l](index i) {
+  slabs.scatter([=](index i) {
     if (stays && stays[i]) return;
     const double bulk = p.bulk(i) / l.volume;
     LatticeStencil<D>(l, p.x + i * D).each([=](index node, double w, const int*) { f[node] += w * bulk; });
@@ -74,30 +78,46 @@ inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs,
   return fill;
 }
 
-template <int D>
-struct Receivers {  // the nodes that may hold a particle, in memory order; number[node] is -1 for the others
-  std::vector<std::int32_t> number, node;
-  std::vector<double> porosity;  // of their half cells; empty: 1
-
-  Receivers(const Lattice<D>& l, const std::vector<double>& fill, const Pores<D>* pores, double threshold)
-      : number(fill.size()) {
-    const double* f = fill.data();
-    node = parallel_where(l.nodes(), [=, &l](index i) { return f[i] >= threshold && !(pores && pores->closed(l, i)); });
-    if (pores && pores->cells) porosity.resize(node.size());
-    std::int32_t* numbers = number.data();
-    const std::int32_t* nodes = node.data();
-    double* room = porosity.empty() ? nullptr : porosity.data();
-    parallel_for(l.nodes(), [=](index i) { numbers[i] = -1; });
-    parallel_for(count(), [=, &l](index r) {
-      numbers[nodes[r]] = static_cast<std::int32_t>(r);
-      if (room) room[r] = pores->porosity(l, nodes[r]);
-    });
-  }
-  index count() const { return static_cast<index>(node.size()); }
+// The nodes that may hold a particle, in memory order. number[node] is -1 for the others.
+struct Receivers {
+  const std::int32_t *number = nullptr, *node = nullptr;
+  const double* porosity = nullptr;  // of their half cells; null: 1
+  index count = 0;
 };
 
+// The memory of these tables. pores null: no node is closed.
+class ReceiverTables {
+ public:
+  template <int D>
+  ReceiverTables(const Lattice<D>& l, const std::vector<double>& fill, const Pores<D>* pores, double threshold)
+      : number_(fill.size()) {
+    const double* f = fill.data();
+    const bool closes = pores;
+    const Pores<D> around = pores ? *pores : Pores<D>{};
+    node_ = parallel_where(l.nodes(), [=](index i) { return f[i] >= threshold && !(closes && around.closed(l, i)); });
+    if (around.cells) porosity_.resize(node_.size());
+    std::int32_t* numbers = number_.data();
+    const std::int32_t* nodes = node_.data();
+    double* room = around.cells ? porosity_.data() : nullptr;
+    parallel_for(l.nodes(), [=](index i) { numbers[i] = -1; });
+    parallel_for(static_cast<index>(node_.size()), [=](index r) {
+      numbers[nodes[r]] = static_cast<std::int32_t>(r);
+      if (room) room[r] = around.porosity(l, nodes[r]);
+    });
+  }
+  Receivers all() const {
+    return {number_.data(), node_.data(), porosity_.empty() ? nullptr : porosity_.data(),
+            static_cast<index>(node_.size())};
+  }
+
+ private:
+  std::vector<std::int32_t> number_, node_;
+  std::vector<double> porosity_;
+};
+
+// What a node was given.
 template <int D>
-struct Gathered {               // what a node was given
+struct Gathered {
   double volume = 0, bulk = 0;  // V, V/n
   double momentum[D] = {};      // V u_d
   double moment[D] = {};        // V times (where the water was - where the node is)

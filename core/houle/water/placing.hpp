@@ -9,9 +9,9 @@ namespace houle {
 // Where particles may be: in the tank, between the walls, in the pores, outside of the solids.
 template <int D>
 struct Space {
-  const Grid<D>& grid;
-  const Lattice<D>& l;
-  const Pores<D>& pores;
+  Grid<D> grid;
+  Lattice<D> l;
+  Pores<D> pores;
   Solids<D> solids;
 
   bool in_pores(const double* x) const {
@@ -66,10 +66,10 @@ inline void place(const Space<D>& space, index node, Gathered<D>& g, double* x) 
 template <int D>
 class MomentTakers {
  public:
-  MomentTakers(const Space<D>& space, const Receivers<D>& receivers, const std::vector<std::int32_t>& kept,
+  MomentTakers(const Space<D>& space, const Receivers& receivers, const std::vector<std::int32_t>& kept,
                ParticleArrays<D>& particles)
-      : space_(space), receivers_(receivers), place_(receivers.count(), -1), p_(particles) {
-    for (std::size_t i = 0; i < kept.size() && kept[i] < receivers.count(); ++i)
+      : space_(space), receivers_(receivers), place_(receivers.count, -1), p_(particles) {
+    for (std::size_t i = 0; i < kept.size() && kept[i] < receivers.count; ++i)
       place_[kept[i]] = static_cast<std::int32_t>(i);
   }
 
@@ -91,7 +91,7 @@ class MomentTakers {
 
  private:
   const Space<D>& space_;
-  const Receivers<D>& receivers_;
+  Receivers receivers_;
   std::vector<std::int32_t> place_, found_;  // of each receiver, number of its particle or -1; those that may move
   ParticleArrays<D>& p_;
 

@@ -11,6 +11,7 @@
 // potential energy.
 #pragma once
 
+#include <houle/exec/scan.hpp>
 #include <houle/water/merging.hpp>
 #include <houle/water/placing.hpp>
 
@@ -77,9 +78,9 @@ struct Joined {
 // Takes the momentum along the interface out of what a particle at x has to give, and gives it to the nodes of its own
 // side; where hardly any of those receive it stays with the rest. joined: of the nodes of `aside`.
 template <int D, class Room>
-inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, const Joined<D>& joined, const double* x,
+inline void give_along(const Receivers& receivers, const Aside<D>& aside, const Joined<D>& joined, const double* x,
                        Gathered<D>& g, Room room, Gathered<D>* nodes) {
-  const std::int32_t* number = receivers.number.data();
+  const std::int32_t* number = receivers.number;
   const auto sees = [&](index node, const int* k) { return number[node] >= 0 && joined.has(k); };
   double sum = 0, all = 0;
   aside.nodes.each([&](index node, double w, const int* k) {
@@ -103,7 +104,7 @@ inline void give_along(const Receivers<D>& receivers, const Aside<D>& aside, con
 // Where the porosity varies among them they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay
 // full. A particle among nodes that differ so much that the negative lobes of M4' outweigh the rest gives to one.
 template <int D>
-inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>& receivers, const ParticleView<D>& p,
+inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, const ParticleView<D>& p,
                  index i, Gathered<D>* nodes) {
   const double* x = p.x + i * D;
   const index home = l.half_cell(x);
@@ -111,8 +112,8 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
   const LatticeStencil<D> s(l, x);
   Gathered<D> g(p, i);
 
-  const std::int32_t* number = receivers.number.data();
-  const double* porosity = receivers.porosity.empty() ? nullptr : receivers.porosity.data();
+  const std::int32_t* number = receivers.number;
+  const double* porosity = receivers.porosity;
   const auto receives = [=](index node) { return number[node] >= 0; };
   const auto room = [=](index node) { return porosity ? porosity[number[node]] : 1.0; };
   const double own = receives(home) ? room(home) : pores.porosity(l, home);
@@ -167,7 +168,7 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers<D>&
 // What the nodes were given, and what of the old particles gave nothing: all that remeshing needs when it has done.
 template <int D>
 struct Shared {
-  Receivers<D> receivers;
+  ReceiverTables tables;
   std::vector<Gathered<D>> gathered;  // by each receiver
   std::vector<std::int32_t> from;  // of the new particles: number of the receiver, then count + number of the old one
 };
@@ -178,13 +179,12 @@ inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const Par
                            std::vector<unsigned char>& stayed) {
   const Slabs<D> slabs(l, p.n, p.x);
   unsigned char* stays = stayed.data();
-  Shared<D> shared{Receivers<D>(l, node_fill(l, slabs, p, stays), &pores, remesh::receive), {}, {}};
-  const Receivers<D>& receivers = shared.receivers;
-  const index count = receivers.count();
+  Shared<D> shared{ReceiverTables(l, node_fill(l, slabs, p, stays), &pores, remesh::receive), {}, {}};
+  const Receivers receivers = shared.tables.all();
+  const index count = receivers.count;
   shared.gathered.resize(count);
   Gathered<D>* nodes = shared.gathered.data();
-  slabs.scatter(
-      [=, &l, &pores, &receivers](index i) { stays[i] = stays[i] || !give(l, pores, receivers, p, i, nodes); });
+  slabs.scatter([=](index i) { stays[i] = stays[i] || !give(l, pores, receivers, p, i, nodes); });
   merge_small(l, pores, receivers, nodes);
   shared.from = parallel_where(count, [=](index r) { return !nodes[r].nothing(); });
   for (index i : parallel_where(p.n, [=](index i) { return stays[i] != 0; }))
@@ -192,14 +192,16 @@ inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const Par
   return shared;
 }
 
+// The particles of the nodes, each where it may lie, then the old ones that gave nothing.
 template <int D>
 inline ParticleArrays<D> placed(const Space<D>& space, Shared<D>& shared, const ParticleView<D>& p) {
-  const index size = static_cast<index>(shared.from.size()), count = shared.receivers.count();
+  const Receivers receivers = shared.tables.all();
+  const index size = static_cast<index>(shared.from.size()), count = receivers.count;
   ParticleArrays<D> out(size);
-  const std::int32_t *source = shared.from.data(), *node = shared.receivers.node.data();
+  const std::int32_t *source = shared.from.data(), *node = receivers.node;
   Gathered<D>* nodes = shared.gathered.data();
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
-  parallel_for(size, [=, &space](index i) {
+  parallel_for(size, [=](index i) {
     const index r = source[i], old = r - count;
     volume[i] = r < count ? nodes[r].volume : p.volume[old];
     if (r < count) place(space, node[r], nodes[r], x + i * D);
@@ -215,7 +217,8 @@ inline ParticleArrays<D> placed(const Space<D>& space, Shared<D>& shared, const 
 // debt, or has a moment that nobody can take.
 template <int D>
 inline std::vector<index> settle(const Space<D>& space, const Shared<D>& shared, ParticleArrays<D>& out) {
-  const index size = static_cast<index>(shared.from.size()), count = shared.receivers.count();
+  const Receivers receivers = shared.tables.all();
+  const index size = static_cast<index>(shared.from.size()), count = receivers.count;
   const std::int32_t* source = shared.from.data();
   const Gathered<D>* nodes = shared.gathered.data();
   const auto held = parallel_where(size, [=](index i) {
@@ -227,10 +230,10 @@ inline std::vector<index> settle(const Space<D>& space, const Shared<D>& shared,
   });
   std::vector<index> open;
   if (held.empty()) return open;
-  MomentTakers<D> takers(space, shared.receivers, shared.from, out);
+  MomentTakers<D> takers(space, receivers, shared.from, out);
   for (index i : held) {
     const Gathered<D>& g = nodes[source[i]];
-    if (!(g.sound() && takers.take(source[i], g.moment))) open.push_back(shared.receivers.node[source[i]]);
+    if (!(g.sound() && takers.take(source[i], g.moment))) open.push_back(receivers.node[source[i]]);
   }
   return open;
 }
@@ -243,7 +246,7 @@ inline void leave_as_they_are(const Lattice<D>& l, const std::vector<index>& nod
   for (index node : nodes) each_near(l, node, radius, [&](index other) { near[other] = 1; });
   const unsigned char* marked = near.data();
   unsigned char* stays = stayed.data();
-  parallel_for(p.n, [=, &l](index i) { stays[i] = stays[i] || marked[l.half_cell(p.x + i * D)]; });
+  parallel_for(p.n, [=](index i) { stays[i] = stays[i] || marked[l.half_cell(p.x + i * D)]; });
 }
 
 // The remeshed particles: those of the nodes in memory order, then the old ones that gave nothing, in their order.
@@ -275,11 +278,13 @@ inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, c
                                       double threshold) {
   const Lattice<D> l(grid, gates);
   const Slabs<D> slabs(l, p.n, p.x);
-  const Receivers<D> receivers(l, node_fill(l, slabs, p), nullptr, threshold);
-  std::vector<Gathered<D>> gathered(receivers.count());
-  const std::int32_t* number = receivers.number.data();
+  const Pores<D>* none = nullptr;
+  const ReceiverTables tables(l, node_fill(l, slabs, p), none, threshold);
+  const Receivers receivers = tables.all();
+  std::vector<Gathered<D>> gathered(receivers.count);
+  const std::int32_t* number = receivers.number;
   Gathered<D>* nodes = gathered.data();
-  slabs.scatter([=, &l](index i) {
+  slabs.scatter([=](index i) {
     const Gathered<D> g(p, i);
     LatticeStencil<D>(l, p.x + i * D).each([=](index node, double w, const int*) {
       if (number[node] >= 0) nodes[number[node]].take(w, g);
@@ -287,10 +292,10 @@ inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, c
   });
   double least = 1.0;  // porosity: the mean of a node, with weights of both signs, is kept within those there are
   for (index i = 0; p.porosity && i < p.n; ++i) least = std::min(least, p.porosity[i]);
-  ParticleArrays<D> out(receivers.count());
-  const std::int32_t* node = receivers.node.data();
+  ParticleArrays<D> out(receivers.count);
+  const std::int32_t* node = receivers.node;
   double *x = out.x.data(), *u = out.u.data(), *volume = out.volume.data();
-  parallel_for(receivers.count(), [=, &l](index r) {
+  parallel_for(receivers.count, [=](index r) {
     const auto at = Grid<D>::unflat(node[r], l.shape);
     volume[r] = std::clamp(nodes[r].volume / nodes[r].bulk, least, 1.0) * l.volume;
     for (int a = 0; a < D; ++a) {

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include <houle/exec/reduce.hpp>
 #include <houle/grid/gates.hpp>
 #include <houle/water/transfer.hpp>
 
@@ -25,7 +26,7 @@ struct Solids {
   int layers = 0;
 };
 
-// Around periodic axes, and back between the walls.
+// Brings a position x (D,) [m] into the tank: around periodic axes, and back between the walls.
 template <int D>
 inline void bring_into_tank(const Grid<D>& g, double* x) {
   for (int a = 0; a < D; ++a) {
@@ -45,6 +46,7 @@ struct WayOut {
   double depth = 0.0, to[2] = {};
 };
 
+// The way out of the solids from the point `at` (x, z) [m] of a section.
 template <int D>
 inline WayOut way_out(const Grid<D>& g, const Solids<D>& solids, int layer, const double (&at)[2], double margin) {
   constexpr int up = D - 1;

@@ -17,7 +17,8 @@ namespace houle {
 // W(r) of compact support `radius`, integral 1 in D dimensions; slope is -W'(r)/r >= 0, finite at r = 0, so that
 // grad_i W(x_i - x_j) = -slope (x_i - x_j).
 
-struct WendlandC2 {  // quintic, Wendland (1995): W ~ (1 - q)^4 (1 + 4 q), q = r / radius
+// The quintic kernel of Wendland (1995): W ~ (1 - q)^4 (1 + 4 q), q = r / radius.
+struct WendlandC2 {
   double radius, scale, inverse;
   WendlandC2(int dimension, double support) : radius(support), inverse(1 / support) {
     constexpr double pi = std::numbers::pi;
@@ -33,7 +34,8 @@ struct WendlandC2 {  // quintic, Wendland (1995): W ~ (1 - q)^4 (1 + 4 q), q = r
   }
 };
 
-struct TruncatedGaussian {  // the paper's, W ~ exp(-r^2/eps^2), cut at radius = 3 eps; the scale makes up for the cut
+// The paper's kernel, W ~ exp(-r^2/eps^2), cut at radius = 3 eps; the scale makes up for the cut.
+struct TruncatedGaussian {
   double radius, scale, inverse;  // inverse: 1 / eps
   TruncatedGaussian(int dimension, double support) : radius(support), inverse(3 / support) {
     const double pi = std::numbers::pi, whole = std::pow(inverse / std::sqrt(pi), dimension);
@@ -47,15 +49,18 @@ struct TruncatedGaussian {  // the paper's, W ~ exp(-r^2/eps^2), cut at radius =
   double slope(double r) const { return 2 * inverse * inverse * value(r); }
 };
 
-enum class Wall { free, slip, no_slip };  // free: no images behind it
+// What particles see behind a wall: nothing, or images that slip along it or do not.
+enum class Wall { free, slip, no_slip };
 
+// The walls of each axis: lower side, upper side; unused on periodic axes.
 template <int D>
-struct Walls {  // per axis: lower side, upper side; unused on periodic axes
+struct Walls {
   std::array<std::array<Wall, 2>, D> side{};
 };
 
+// The sorted particles, and how each of them finds those around it.
 template <int D>
-struct Neighbours {  // the sorted particles
+struct Neighbours {
   Grid<D> grid;
   Walls<D> walls;
   index n = 0;

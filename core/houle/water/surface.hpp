@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include <houle/exec/reduce.hpp>
 #include <houle/water/columns.hpp>
 #include <houle/water/transfer.hpp>
 

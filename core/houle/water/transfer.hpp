@@ -4,6 +4,9 @@
 // so that no two slabs of one colour reach the same node: the order of every sum is fixed, whatever the threads.
 #pragma once
 
+#include <houle/exec/reduce.hpp>
+#include <houle/exec/scatter.hpp>
+#include <houle/exec/sort.hpp>
 #include <houle/water/interfaces.hpp>
 
 namespace houle {
