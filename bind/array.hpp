@@ -142,9 +142,22 @@ class Array {
 
 namespace nanobind::detail {
 
+// number_name for the type stub.
+template <class Number>
+constexpr auto number_in_stub() {
+  if constexpr (std::is_same_v<Number, double>) return const_name("float64");
+  if constexpr (std::is_same_v<Number, float>) return const_name("float32");
+  if constexpr (std::is_same_v<Number, std::int8_t>) return const_name("int8");
+  if constexpr (std::is_same_v<Number, std::uint8_t>) return const_name("uint8");
+  if constexpr (std::is_same_v<Number, std::int32_t>) return const_name("int32");
+  if constexpr (std::is_same_v<Number, std::int64_t>) return const_name("int64");
+}
+
 template <class T>
 struct type_caster<houle::Array<T>> {
-  NB_TYPE_CASTER(houle::Array<T>, const_name("numpy.typing.NDArray"))
+  using Taken = houle::Array<T>;
+  NB_TYPE_CASTER(Taken,
+                 const_name("numpy.typing.NDArray[numpy.") + number_in_stub<typename Taken::Number>() + const_name("]"))
 
   bool from_python(handle given, std::uint32_t, cleanup_list*) noexcept {
     value.take(given);

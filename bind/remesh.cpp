@@ -17,10 +17,9 @@ static Doubles as_array(std::vector<double>&& values, std::initializer_list<std:
 }
 
 template <int D>
-static nb::tuple as_tuple(ParticleArrays<D>&& p) {
+static std::tuple<Doubles, Doubles, Doubles> as_tuple(ParticleArrays<D>&& p) {
   const std::size_t n = p.volume.size();
-  return nb::make_tuple(as_array(std::move(p.x), {n, D}), as_array(std::move(p.u), {n, D}),
-                        as_array(std::move(p.volume), {n}));
+  return {as_array(std::move(p.x), {n, D}), as_array(std::move(p.u), {n, D}), as_array(std::move(p.volume), {n})};
 }
 
 static void require_finite(index n, const double* values, const char* name) {

@@ -18,6 +18,8 @@ from houle import _core
 from houle.errors import CaseError
 
 FloatArray = NDArray[np.float64]
+Listed = tuple[NDArray[np.int32], FloatArray]  # a field of few values: the number of each cell, and the values
+Core = _core.Grid2 | _core.Grid3
 SingleFaces = list[NDArray[np.float32]]
 MOST_NUMBERS = 2**31 - 2  # most cells, and most particles, numbered with 32 bits; lists of them end at one more
 Faces = list[FloatArray]  # one array per axis, entry i of axis a on the face at i h_a
@@ -32,7 +34,7 @@ class Grid:
     periodic: tuple[bool, ...]
 
     @cached_property
-    def core(self) -> _core.Grid2 | _core.Grid3:
+    def core(self) -> Core:
         """As the core takes it. CaseError where there are more cells than it can number, before memory is asked for."""
         cells = math.prod(self.shape)
         if cells > MOST_NUMBERS:

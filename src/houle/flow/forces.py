@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.flow.ledger import Ledger
 from houle.flow.state import SPRAY, Flow
+from houle.grid import Faces, FloatArray, Listed
 
 
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
@@ -14,7 +16,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     if not flow.viscous:
         return
     core = flow.grid.core
-    if flow.smagorinsky > 0.0:
+    if flow.nu is not None:
         _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
     flow.extra = flow.old_velocity
     _core.viscous_acceleration(
@@ -60,15 +62,21 @@ def drive(flow: Flow, dt: float) -> None:
         boundary.drive(flow, dt)
 
 
+def _resistance(
+    flow: Flow,
+) -> tuple[list[NDArray[np.int32]], FloatArray | None, Faces, Listed | None, list[NDArray[np.uint8]]]:
+    """What resists the flow as the core takes it."""
+    if not flow.resists:
+        return [], None, [], None, []
+    return flow.medium.material, flow.medium.materials, flow.boundaries.damping, flow.listed("energy"), flow.held
+
+
 def apply_forces(flow: Flow, dt: float) -> None:
     """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
-    m = flow.medium
-    resists = (m.material, m.materials, flow.boundaries.damping, flow.listed("energy"), flow.held)
-    resistance = resists if flow.resists else ([], None, [], None, [])
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt
     _core.apply_forces(
-        flow.grid.core, flow.old_velocity, *resistance, flow.gravity, flow.extra, dt,
+        flow.grid.core, flow.old_velocity, *_resistance(flow), flow.gravity, flow.extra, dt,
         flow.velocity, flow.drag, flow.mobility,
     )  # fmt: skip
     flow.extra = []

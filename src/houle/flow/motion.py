@@ -75,7 +75,7 @@ def _convective_share(flow: Flow) -> FloatArray | None:
 
 def _fall_behind(flow: Flow, dt: float) -> FloatArray:
     """Change of the velocities (N, d) as momentum moves with K/C_r of the velocity of the water."""
-    medium = (*flow.crossing, flow.held, flow.lag, flow.listed("particle_porosity"))
+    medium = (*flow.crossing, flow.held, flow.medium.listed("lag"), flow.medium.listed("particle_porosity"))
     on_faces, change = flow.grid.faces(), np.empty_like(flow.particles.velocity)
     _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.interfaces)
     interpolate(flow, on_faces, change)
@@ -90,9 +90,9 @@ def move(flow: Flow, dt: float) -> None:
 
 def _move(flow: Flow, dt: float) -> None:
     p, before = flow.particles, near_crests(flow, flow.particles.position)
-    own = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
+    velocity, volume, bulk = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
     _core.move(
-        flow.grid.core, flow.velocity, flow.listed("particle_porosity"), *own,
+        flow.grid.core, flow.velocity, flow.listed("particle_porosity"), velocity, volume, bulk,
         flow.medium.outline, flow.boundaries.gates, dt, p.position, flow.boundaries.walls, flow.interfaces,
     )  # fmt: skip
     book_crossings(flow, before)

@@ -84,11 +84,11 @@ class Particles(Component):
     def __contains__(self, name: str) -> bool:
         return name in self.declared
 
-    def __getitem__(self, name: str) -> FloatArray:
+    def __getitem__(self, name: str) -> NDArray[Any]:
         """A declared column, (N, *shape): the array itself."""
         return self._further[name]
 
-    def get(self, name: str) -> FloatArray | None:
+    def get(self, name: str) -> NDArray[Any] | None:
         """A declared column, or None where no such column was declared."""
         return self._further.get(name)
 

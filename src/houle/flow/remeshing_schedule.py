@@ -102,7 +102,7 @@ class Remeshing(Component):
 def _energy(flow: Flow) -> FloatArray:
     """Twice the kinetic energy in each cell near interfaces and those around it [m^d m2/s2], per density."""
     p, total = flow.particles, flow.grid.cells()
-    _core.cell_energy(flow.grid.core, flow.around_interface, p.position, flow.bulk, flow.inertia, p.velocity, total)
+    _core.cell_energy(flow.grid.core, flow.around_interface, p.position, flow.bulk, p["inertia"], p.velocity, total)
     for axis, wraps in enumerate(flow.grid.periodic):
         wide = widened(total, axis, wraps)
         total = np.moveaxis(wide[:-2] + wide[1:-1] + wide[2:], 0, axis)

@@ -19,7 +19,7 @@ from houle.flow.seeding import column_pores, seed_slabs
 from houle.flow.tank import Tank
 from houle.flow.viscosity import REACH, Smoothing
 from houle.flow.workspace import Workspace
-from houle.grid import Faces, FloatArray, Grid, spread, widened
+from houle.grid import Faces, FloatArray, Grid, Listed, spread, widened
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
 from houle.medium.medium import Medium
@@ -135,13 +135,13 @@ class Flow(Tank):
         return Smoothing(self.grid, walls, REACH * max(self.grid.spacing))
 
     @property
-    def crossing(self) -> tuple:
+    def crossing(self) -> tuple[list[NDArray[np.int32]], FloatArray, Listed, Listed]:
         """The medium as the core takes it for particles that cross from one porosity to another."""
         m = self.medium
         return m.material, m.materials, m.listed("inertia"), m.listed("uniform")
 
     @property
-    def lag(self) -> tuple[NDArray[np.int32], FloatArray] | None:
+    def lag(self) -> Listed | None:
         """1 - K/C_r of the cells as the core takes it; None if the added mass stands before all of Du/Dt everywhere."""
         return self.medium.listed("lag") if "lag" in self.medium.kinds else None
 
@@ -233,7 +233,7 @@ class Flow(Tank):
         np.divide(1.0, capacity, out=inverse, where=capacity > least)
         return inverse
 
-    def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray] | None:
+    def listed(self, name: str) -> Listed | None:
         """One of the kinds of the medium as the core takes it; None in clear water, where it is one."""
         return self.medium.listed(name) if self.porous else None
 
@@ -254,7 +254,7 @@ class Flow(Tank):
         return self.particles["bulk"] if self.porous else self.particles.volume
 
     @property
-    def inertia(self) -> FloatArray | None:
+    def inertia(self) -> NDArray[np.float32] | None:
         """C_r / n at the particles, of each axis (N, d) [-], float32; None in clear water, where it is 1."""
         return self.particles.get("inertia")
 
@@ -279,7 +279,7 @@ class Flow(Tank):
         p, core = self.particles, self.grid.core
         if self.porous:
             pores = self.medium.listed("particle_porosity")
-            particles = (p.position, p.volume, self.bulk, self.inertia)
+            particles = (p.position, p.volume, self.bulk, p["inertia"])
             _core.sample_medium(core, *self.crossing, pores, *particles, self.interfaces)
         self._find_sides()
 
@@ -290,7 +290,7 @@ class Flow(Tank):
         """
         p, m = self.particles, self.medium
         medium = (*self.crossing, self.held, m.listed("particle_porosity"), m.listed("coefficient"))
-        state = (p.position, p.volume, self.bulk, self.inertia, p.velocity)
+        state = (p.position, p.volume, self.bulk, p["inertia"], p.velocity)
         _core.carry(self.grid.core, *medium, dt, *state, self.lag, ago, self.interfaces)
         self._find_sides()
 

@@ -14,12 +14,13 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle import _core
 from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column
 from houle.flow.state import SPRAY, Flow
-from houle.grid import Faces, FloatArray
+from houle.grid import Core, Faces, FloatArray
 from houle.registry import Choices
 
 
@@ -52,7 +53,7 @@ class Transfer:
         """Fills the columns that are made from the grid, after other particles were put in the place of the old."""
 
 
-def _cloud(flow: Flow) -> tuple:
+def _cloud(flow: Flow) -> tuple[Core, str, FloatArray, FloatArray | None, FloatArray, NDArray[np.int32]]:
     """The particles as the core takes them in a transfer."""
     return flow.grid.core, flow.kernel, flow.particles.position, flow.side, flow.bulk, flow.start
 

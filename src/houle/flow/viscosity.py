@@ -121,7 +121,7 @@ class Smoothing:
         velocity: the pore velocity u_d/n for eq. (13), (N, d) [m/s]; viscosity: (N,) or a number [m2/s].
         """
         out = np.empty_like(position)
-        nu = np.full(len(position), viscosity) if np.isscalar(viscosity) else viscosity
+        nu = viscosity if isinstance(viscosity, np.ndarray) else np.full(len(position), viscosity)
         near = (self.grid.core, self.walls, self.kernel, self.radius, position, _as_core(cell_start))
         _core.sph_viscous_acceleration(*near, velocity, bulk, nu, out)
         return out

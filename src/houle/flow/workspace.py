@@ -103,9 +103,11 @@ class Workspace:
     @cached_property
     def solver(self) -> _core.PressureSolver2 | _core.PressureSolver3:
         """The solver of the pressure and of the position correction."""
-        return (_core.PressureSolver2 if self.grid.dimension == 2 else _core.PressureSolver3)(self.grid.core)
+        core = self.grid.core
+        return _core.PressureSolver2(core) if isinstance(core, _core.Grid2) else _core.PressureSolver3(core)
 
     @cached_property
     def mass_matrix(self) -> _core.MassMatrix2 | _core.MassMatrix3:
         """The matrix of the full-mass-matrix transfer."""
-        return (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)
+        core = self.grid.core
+        return _core.MassMatrix2(core) if isinstance(core, _core.Grid2) else _core.MassMatrix3(core)
