@@ -1,0 +1,76 @@
+"""Commands of a page, really run: in a folder of its own, with the houle that builds the site."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass
+class Result:
+    output: str
+    seconds: float
+
+
+@dataclass
+class Shell:
+    """A folder in which files are written and commands run, one after another."""
+
+    folder: Path
+
+    def write(self, name: str, content: str) -> None:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content, encoding="utf-8")
+
+    def run(self, commands: str, fails: bool = False) -> Result:
+        """What the commands print, standard output and error together. Raises ValueError when one fails.
+
+        fails: the last one is expected to fail, and it is an error if it does not.
+        """
+        self.folder.mkdir(parents=True, exist_ok=True)
+        start = time.monotonic()
+        done = subprocess.run(
+            ["bash", "-e", "-c", commands],
+            cwd=self.folder,
+            env=self._environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+        if (done.returncode != 0) is not fails:
+            raise ValueError(f"status {done.returncode} of\n{commands}\n{done.stdout}")
+        return Result(done.stdout.rstrip(), time.monotonic() - start)
+
+    def _environment(self) -> dict[str, str]:
+        programs = self.folder / ".bin"
+        program = programs / "houle"
+        if not program.exists():
+            programs.mkdir(parents=True, exist_ok=True)
+            program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m houle "$@"\n')
+            program.chmod(0o755)
+        return {
+            **os.environ,
+            "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
+            "XDG_CACHE_HOME": str(self.folder / ".cache"),  # nothing that an earlier run left is taken up
+            "COLUMNS": "100",
+            "NO_COLOR": "1",
+            "MPLBACKEND": "Agg",
+        }
+
+
+def cut(output: str, after: str, until: str) -> str:
+    """The lines from the first that begins with `after` to before the next that begins with `until`."""
+    lines = [re.sub(r"\s+$", "", line) for line in output.splitlines()]
+    start = next((i for i, line in enumerate(lines) if line.startswith(after)), None)
+    if start is None:
+        raise ValueError(f"no line begins with {after!r} in\n{output}")
+    stop = next((i for i, line in enumerate(lines) if i > start and until and line.startswith(until)), len(lines))
+    return "\n".join(lines[start:stop]).strip("\n")
