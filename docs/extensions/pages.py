@@ -146,6 +146,7 @@ def _moved(text: str, folder: Path, page: Page) -> str:
         path = (folder / target).resolve()
         home = HOMES.get(path.relative_to(ROOT).as_posix())
         path = DOCS / home if home else path
+        path = path / "index.md" if (path / "index.md").is_file() else path
         inside = path.is_relative_to(DOCS)
         up = "../" * (len(page.path.parent.relative_to(DOCS).parts) + 1)
         where = page.relative(path) if inside else up + path.relative_to(ROOT).as_posix()

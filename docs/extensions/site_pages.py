@@ -69,7 +69,8 @@ def copy_formulas(app: Sphinx, error: Exception | None) -> None:
     source, target = Path(found.origin).parent / "static" / "mathjax", Path(app.outdir) / "_static" / "mathjax"
     target.mkdir(parents=True, exist_ok=True)
     shutil.copy(source / "tex-chtml.js", target)
-    shutil.copytree(source / "output" / "chtml" / "fonts", target / "output" / "chtml" / "fonts", dirs_exist_ok=True)
+    for part in ("output/chtml/fonts", "input/tex"):
+        shutil.copytree(source / part, target / part, dirs_exist_ok=True)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
