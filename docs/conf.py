@@ -3,6 +3,7 @@
 Pages are Markdown (MyST). Blocks that are filled at the build are described in extensions/pages.py.
 """
 
+import os
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,7 +27,7 @@ myst_heading_anchors = 4
 myst_dmath_double_inline = True
 smartquotes = False  # quotation marks in pages are those of case files
 
-nb_execution_mode = "force"
+nb_execution_mode = "cache" if "HOULE_SITE_KEEP" in os.environ else "force"  # kept: for work on the texts alone
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True

@@ -60,7 +60,9 @@ def markdown(table: str, notes: dict[str, str] | None = None, only: list[str] | 
     if strange := [key for key in [*notes, *(only or [])] if key not in properties]:
         raise ValueError(f"[{table}] has no key {strange[0]!r}: it has {', '.join(properties)}")
     rows = [
-        _row(key, row, key in required, notes.get(key, "")) for key, row in properties.items() if not only or key in only
+        _row(key, row, key in required, notes.get(key, ""))
+        for key, row in properties.items()
+        if not only or key in only
     ]
     return "\n".join([HEAD, *rows])
 

@@ -11,6 +11,7 @@ A block is fenced like code, so that a page can be read in the repository as it 
     ```{decisions}              the list of decisions
     ```{file} crib.toml         a file in the page's own folder, from where its commands are run
     ```{run}                    commands, run in that folder; their output is shown
+    ```{output}                 another part of what the commands before printed
     ```{picture} a.png          a picture that they left; the lines of the block are its caption
     ```{took}                   how long the commands of the page took
 
@@ -19,10 +20,12 @@ Each is a function of Page and Block that returns Markdown.
 
 from __future__ import annotations
 
+import os
 import re
 import textwrap
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, is_dataclass
+from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 
@@ -59,11 +62,15 @@ class Page:
     tables: list[str] = field(default_factory=list)
     names: list[str] = field(default_factory=list)
     sources: list[Path] = field(default_factory=list)
+    output: str = ""
     seconds: float = 0.0
 
-    @property
+    @cached_property
     def shell(self) -> shell.Shell:
-        return shell.Shell(self.work)
+        text = self.path.read_text(encoding="utf-8")
+        blocks = (found for found in FENCE.finditer(text) if found[2] in ("file", "run"))
+        script = "".join(f"{found[3]}\n" + re.sub(r"^:.*\n", "", found[4], flags=re.MULTILINE) for found in blocks)
+        return shell.Shell(self.work, script, kept="HOULE_SITE_KEEP" in os.environ)
 
     def relative(self, path: Path) -> str:
         """A path as the page writes it."""
@@ -162,6 +169,7 @@ def _names(page: Page, block: Block) -> str:
         kind = _kind(getattr(module, name))
         page.names.append(f"{block.argument}.{name}")
         options = "\n   :members:" if kind == "class" else ""
+        options += "\n   :undoc-members:" if is_dataclass(getattr(module, name)) else ""
         shown.append(f".. auto{kind}:: {block.argument}.{name}{options}")
     return "```{eval-rst}\n" + "\n\n".join(shown) + "\n```"
 
@@ -222,11 +230,15 @@ def _run(page: Page, block: Block) -> str:
     commands = "\n".join(block.lines)
     result = page.shell.run(commands, fails="fails" in block.options)
     page.seconds += result.seconds
+    page.output = result.output
     shown = f"```console\n{textwrap.indent(commands, '$ ')}\n```"
-    if "quiet" in block.options:
-        return shown
-    output = shell.cut(result.output, block.options.get("after", ""), block.options.get("until", ""))
-    return f"{shown}\n\n```text\n{output}\n```"
+    return shown if "quiet" in block.options else f"{shown}\n\n{_output(page, block)}"
+
+
+def _output(page: Page, block: Block) -> str:
+    """What the last commands printed: all, or from the line that begins with `after` to the one with `until`."""
+    text = shell.cut(page.output, block.options.get("after", ""), block.options.get("until", ""))
+    return f"```text\n{text}\n```"
 
 
 def _picture(page: Page, block: Block) -> str:
@@ -252,6 +264,7 @@ BLOCKS: dict[str, Callable[[Page, Block], str]] = {
     "decisions": _decisions,
     "file": _file,
     "run": _run,
+    "output": _output,
     "picture": _picture,
     "took": _took,
 }

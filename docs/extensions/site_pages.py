@@ -26,9 +26,7 @@ def work_folder(app: Sphinx, docname: str) -> Path:
 
 
 def fill(app: Sphinx, docname: str, source: list[str]) -> None:
-    work = work_folder(app, docname)
-    shutil.rmtree(work, ignore_errors=True)
-    page = pages.Page(Path(app.env.doc2path(docname)), work)
+    page = pages.Page(Path(app.env.doc2path(docname)), work_folder(app, docname))
     try:
         source[0] = pages.filled(source[0], page)
     except (ValueError, KeyError) as error:

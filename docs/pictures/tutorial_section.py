@@ -35,7 +35,9 @@ def draw(path: Path) -> None:
     axes.annotate("", (1.6, 0.36), (0.8, 0.36), arrowprops={"arrowstyle": "->", "color": "#1f6fa8"})
     axes.text(1.2, 0.39, "H = 40 mm, T = 1.3 s", ha="center", color="#1f6fa8", fontsize=9)
     note = "crushed rock\n$d_{50}$ = 40 mm\n$n$ = 0.45"
-    axes.text((FRONT + BACK) / 2, 0.2, note, ha="center", va="center", fontsize=7.5, bbox={"color": "white", "pad": 1.5})
+    axes.text(
+        (FRONT + BACK) / 2, 0.2, note, ha="center", va="center", fontsize=7.5, bbox={"color": "white", "pad": 1.5}
+    )
     _along(axes, -0.09, (0, PADDLE, FRONT, BACK, END, LENGTH))
     _up(axes, 1.0, DEPTH, "0.30")
     _up(axes, BACK + 0.12, TOP, "0.45")
