@@ -1,6 +1,7 @@
 """Docstrings of houle as reStructuredText.
 
-They are plain text: sentences, and blocks of lines that each name a thing, leave two blanks or more, and say what it is.
+They are plain text: sentences, and blocks of lines that each name a thing, leave two blanks or more, and say what it
+is.
 Such blocks become lists; code in backticks stays code; nothing else is markup.
 """
 

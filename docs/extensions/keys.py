@@ -121,7 +121,7 @@ def _default(row: Schema, required: bool) -> str:
     if required:
         return "–"
     value = row.get("default")
-    if value is None or value in ("", []) or isinstance(value, dict) and "left" not in value:
+    if value is None or value in ("", []) or (isinstance(value, dict) and "left" not in value):
         return "*none*"
     if isinstance(value, dict):  # of walls: one word for all sides
         value = next(iter(value.values()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import matplotlib
@@ -50,7 +51,7 @@ def draw(path: Path) -> None:
 
 def _along(axes: Axes, z: float, places: tuple[float, ...]) -> None:
     """A line of dimensions below the floor."""
-    for left, right in zip(places, places[1:], strict=False):
+    for left, right in pairwise(places):
         axes.annotate("", (left, z), (right, z), arrowprops={"arrowstyle": "<->", "linewidth": 0.8})
         axes.text((left + right) / 2, z - 0.05, f"{right - left:.2f}", ha="center", va="top", fontsize=9)
     for x in places:
