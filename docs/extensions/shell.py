@@ -70,10 +70,10 @@ class Shell:
 
     def _environment(self) -> dict[str, str]:
         programs = self.folder / ".bin"
-        program = programs / "houle"
-        if not program.exists():
-            programs.mkdir(parents=True, exist_ok=True)
-            program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m houle "$@"\n')
+        programs.mkdir(parents=True, exist_ok=True)
+        for name, module in (("houle", "-m houle "), ("python", "")):
+            program = programs / name
+            program.write_text(f'#!/bin/sh\nexec "{sys.executable}" {module}"$@"\n')
             program.chmod(0o755)
         return {
             **os.environ,
