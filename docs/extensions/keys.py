@@ -14,6 +14,7 @@ Schema = dict[str, Any]
 
 HEAD = "| key | value | unit | default | meaning |\n|---|---|---|---|---|"
 PLURALS = {"number": "numbers", "whole number": "whole numbers", "text": "texts", "name": "names"}
+BEYOND = 1e9  # a bound as large as this only keeps out nonsense
 COUNTS = {1: "one", 2: "two", 3: "three"}
 
 
@@ -51,7 +52,7 @@ def meaning_of(table: str) -> str:
 
 
 def markdown(table: str, notes: dict[str, str] | None = None, only: list[str] | None = None) -> str:
-    """The keys of one table, each a row; notes (by key) are sentences after what the model says.
+    """The keys of one table, each a row; notes (by key) are added to what the model says.
 
     only: these keys and no others. Raises ValueError when a note or a key of `only` is about no key of the table.
     """
@@ -97,7 +98,7 @@ def _required(model: str) -> list[str]:
 
 def _row(key: str, row: Schema, required: bool, note: str) -> str:
     meaning, unit = _split(row.get("description", ""))
-    text = f"{meaning}. {note[0].upper()}{note[1:]}" if note else meaning
+    text = f"{meaning}; {note}" if note else meaning
     cells = (f"`{key}`", values(row), unit, _default(row, required), text)
     return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
@@ -167,10 +168,10 @@ def _word(row: Schema) -> str:
 
 def _range(row: Schema) -> str:
     """ " above 0, up to 1", from the bounds of a number; "" when it has none."""
-    if "minimum" in row and "maximum" in row:
+    if "minimum" in row and "maximum" in row and row["maximum"] < BEYOND:
         return f" from {row['minimum']:g} to {row['maximum']:g}"
     words = (("minimum", "from"), ("exclusiveMinimum", "above"), ("maximum", "up to"), ("exclusiveMaximum", "below"))
-    found = [f"{word} {row[key]:g}" for key, word in words if key in row]
+    found = [f"{word} {row[key]:g}" for key, word in words if key in row and abs(row[key]) < BEYOND]
     return f" {', '.join(found)}" if found else ""
 
 

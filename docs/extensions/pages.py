@@ -2,7 +2,7 @@
 
 A block is fenced like code, so that a page can be read in the repository as it is:
 
-    ```{keys} sponge            the keys of a table of the case file; the lines of the block are notes, "key: sentence"
+    ```{keys} sponge            the keys of a table of the case file; the lines of the block are notes, "key: what else"
     ```{other-tables}           tables of the case file that the page does not show by themselves
     ```{part} ../README.md      sections of another document, one title a line
     ```{names} houle            documentation of public names, one or more a line
