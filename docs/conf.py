@@ -25,6 +25,7 @@ suppress_warnings = ["myst.header"]  # the decisions begin with their number
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
 myst_heading_anchors = 4
 myst_dmath_double_inline = True
+highlight_language = "none"  # of blocks that name no language
 smartquotes = False  # quotation marks in pages are those of case files
 
 nb_execution_mode = "cache" if "HOULE_SITE_KEEP" in os.environ else "force"  # kept: for work on the texts alone

@@ -207,8 +207,8 @@ def _case(page: Page, folder: Path) -> str:
     title, _, rest = text.partition("\n")
     rest = re.sub(r"^#", "###", rest, flags=re.MULTILINE)
     file = f"````{{dropdown}} case.toml\n```toml\n{case.strip()}\n```\n````"
-    label = f"({folder.name})=\n## {title.removeprefix('# ')}"
-    return f"{label}\n\n`houle run {folder.name}`\n\n{_moved(rest.strip(), folder, page)}\n\n{file}"
+    head = f"## {folder.name}\n\n**{title.removeprefix('# ')}**"
+    return f"{head}\n\n{_moved(rest.strip(), folder, page)}\n\n{file}"
 
 
 def _decisions(page: Page, block: Block) -> str:

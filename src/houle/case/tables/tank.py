@@ -200,7 +200,7 @@ class Resistance(Table):
     kc: float | None = Field(
         default=None,
         gt=0,
-        description="one Keulegan-Carpenter number for the whole body, instead of that of the velocity at each place [-]",
+        description="one Keulegan-Carpenter number for the body, instead of that of the velocity at each place [-]",
     )
     period: float | None = Field(
         default=None,

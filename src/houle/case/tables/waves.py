@@ -77,7 +77,8 @@ class Waves(Table):
         default=None,
         gt=0,
         le=100,
-        description="height, crest to trough; H_m0 of a spectrum; of solitary and focused waves the crest above still water [m]",
+        description="height, crest to trough; H_m0 of a spectrum; of solitary and focused waves that of the crest "
+        "above still water [m]",
         examples=[0.04],
     )
     period: float | None = Field(
