@@ -14,6 +14,8 @@ import pytest
 import shell
 from docstrings import rst
 
+from houle import fields
+
 CASE_FILE = pages.DOCS / "case-file.md"
 
 
@@ -62,6 +64,15 @@ def test_a_new_table_and_a_new_key_appear_by_themselves(tmp_path, monkeypatch):
 def test_a_note_about_a_key_that_is_not_there_is_an_error():
     with pytest.raises(ValueError, match=r"\[gate\] has no key 'colour': it has x, speed, start"):
         keys.markdown("gate", {"colour": "green"})
+
+
+def test_every_variable_that_a_run_writes_is_shown(tmp_path, monkeypatch):
+    probe = fields.Field("salinity", "S", "1", "sensor", "share of salt")
+    monkeypatch.setattr(fields, "FIELDS", (*fields.FIELDS, probe))
+    text, _ = page_of("conventions.md", tmp_path)
+    for field in fields.FIELDS:
+        assert f"`{field.name}`" in text or field.place == "face" or field.name == "time", field.name
+    assert "| `salinity` | sensor | 1 | share of salt |" in text
 
 
 def test_every_public_name_is_on_a_page():

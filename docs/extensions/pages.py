@@ -4,6 +4,7 @@ A block is fenced like code, so that a page can be read in the repository as it 
 
     ```{keys} sponge            the keys of a table of the case file; the lines of the block are notes, "key: what else"
     ```{other-tables}           tables of the case file that the page does not show by themselves
+    ```{other-fields}           variables that a run writes and the page does not name
     ```{part} ../README.md      sections of another document, one title a line
     ```{names} houle            documentation of public names, one or more a line
     ```{headers} grid           public headers below a folder of core/
@@ -124,6 +125,16 @@ def _other_tables(page: Page, block: Block) -> str:
             shown.append(f"{title}\n\n{keys.meaning_of(table)}\n\n{keys.markdown(table)}")
             page.tables.append(table)
     return "\n\n".join(shown)
+
+
+def _other_fields(page: Page, block: Block) -> str:
+    text = page.path.read_text(encoding="utf-8")
+    rows = [
+        f"| `{row.name}` | {row.place} | {row.unit}{f' ({row.unit_2d})' if row.unit_2d else ''} | {row.description} |"
+        for row in import_module("houle.fields").FIELDS
+        if f"`{row.name}`" not in text and row.place != "face" and row.name != "time"
+    ]
+    return "\n".join(["| variable | place | unit (2D) | meaning |", "|---|---|---|---|", *rows]) if rows else ""
 
 
 def _part(page: Page, block: Block) -> str:
@@ -257,6 +268,7 @@ def _took(page: Page, block: Block) -> str:
 BLOCKS: dict[str, Callable[[Page, Block], str]] = {
     "keys": _keys,
     "other-tables": _other_tables,
+    "other-fields": _other_fields,
     "part": _part,
     "names": _names,
     "headers": _headers,
