@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+WIDTH = 88  # of a line of code on a page
 SHORT = 24  # lines: a struct up to this length is shown whole, with the comments of its members
 
 
@@ -155,4 +156,20 @@ def _signature(text: str) -> str:
             break
     bare = re.sub(r"\)\s*:\s*\w+[_({].*", ")", bare, flags=re.DOTALL)  # members that a constructor sets
     bare = re.sub(r"\b(inline|HOULE_NOINLINE|explicit) ", "", bare)
-    return _tidy([line for line in bare.splitlines() if line.strip()])
+    lines = [line.strip() for line in bare.splitlines() if line.strip()]
+    first = 1 if lines[0].startswith("template") and len(lines) > 1 and lines[0].endswith(">") else 0
+    return "\n".join([*lines[:first], *_wrapped(" ".join(lines[first:]))])
+
+
+def _wrapped(text: str) -> list[str]:
+    """A declaration in lines that fit the page, broken at commas between parameters."""
+    if len(text) <= WIDTH or "(" not in text:
+        return [text]
+    place = text.index("(") + 1
+    pieces = re.split(r"(?<=,) (?![^<(]*[>)])|(?<=,) (?=const |[a-z])", text[place:])
+    lines = [text[:place], ""]
+    for piece in pieces:
+        if lines[-1].strip() and len(lines[-1]) + len(piece) >= WIDTH:
+            lines.append("")
+        lines[-1] += f" {piece}" if lines[-1] else f"    {piece}"
+    return lines
