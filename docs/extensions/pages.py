@@ -249,7 +249,8 @@ def _run(page: Page, block: Block) -> str:
 def _output(page: Page, block: Block) -> str:
     """What the last commands printed: all, or from the line that begins with `after` to the one with `until`."""
     text = shell.cut(page.output, block.options.get("after", ""), block.options.get("until", ""))
-    return f"```text\n{text}\n```"
+    text = text.replace(f"{page.work}/", "")
+    return "```text\n" + "\n".join(shell.wrapped(line) for line in text.splitlines()) + "\n```"
 
 
 def _picture(page: Page, block: Block) -> str:

@@ -8,10 +8,14 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+
+
+WIDTH = 104  # of what is printed, in characters
 
 
 @dataclass
@@ -79,7 +83,7 @@ class Shell:
             **os.environ,
             "PATH": f"{programs}{os.pathsep}{os.environ['PATH']}",
             "XDG_CACHE_HOME": str(self.folder / ".cache"),  # nothing that an earlier run left is taken up
-            "COLUMNS": "100",
+            "COLUMNS": str(WIDTH),
             "NO_COLOR": "1",
             "MPLBACKEND": "Agg",
         }
@@ -93,3 +97,12 @@ def cut(output: str, after: str, until: str) -> str:
         raise ValueError(f"no line begins with {after!r} in\n{output}")
     stop = next((i for i, line in enumerate(lines) if i > start and until and line.startswith(until)), len(lines))
     return "\n".join(lines[start:stop]).strip("\n")
+
+
+def wrapped(line: str) -> str:
+    """A line that fits the page; what goes on below stands under the second column, if there is one."""
+    if len(line) <= WIDTH:
+        return line
+    column = re.match(r"\S.*?\s{2,}", line)
+    indent = " " * (column.end() if column else 4)
+    return "\n".join(textwrap.wrap(line, WIDTH, subsequent_indent=indent, drop_whitespace=True))
