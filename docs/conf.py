@@ -43,7 +43,8 @@ html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
-copybutton_prompt_text = "$ "
+copybutton_prompt_text = r"[$>] "
+copybutton_prompt_is_regexp = True
 linkcheck_anchors = False
 linkcheck_exclude_documents = ["changelog"]
 

@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import os
 import re
-import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass, field, is_dataclass
 from functools import cached_property
@@ -242,15 +241,23 @@ def _run(page: Page, block: Block) -> str:
     result = page.shell.run(commands, fails="fails" in block.options)
     page.seconds += result.seconds
     page.output = result.output
-    shown = f"```console\n{textwrap.indent(commands, '$ ')}\n```"
+    shown = f"```console\n{_prompted(block.lines)}\n```"
     return shown if "quiet" in block.options else f"{shown}\n\n{_output(page, block)}"
 
 
+def _prompted(commands: list[str]) -> str:
+    """Commands as a terminal shows them; what belongs to the line above has another prompt."""
+    return "\n".join(f"{'>' if line.startswith((' ', 'done')) else '$'} {line}" for line in commands)
+
+
 def _output(page: Page, block: Block) -> str:
-    """What the last commands printed: all, or from the line that begins with `after` to the one with `until`."""
+    """What the last commands printed: all, or from the line that begins with `after` to the one with `until`, or so
+    many `lines` of that."""
     text = shell.cut(page.output, block.options.get("after", ""), block.options.get("until", ""))
-    text = text.replace(f"{page.work}/", "")
-    return "```text\n" + "\n".join(shell.wrapped(line) for line in text.splitlines()) + "\n```"
+    lines = text.replace(f"{page.work}/", "").splitlines()
+    most = int(block.options.get("lines", len(lines)))
+    shown = [shell.wrapped(line) for line in lines[:most]] + ["..."] * (len(lines) > most)
+    return "```text\n" + "\n".join(shown) + "\n```"
 
 
 def _picture(page: Page, block: Block) -> str:

@@ -14,7 +14,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-
 WIDTH = 104  # of what is printed, in characters
 
 
