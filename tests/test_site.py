@@ -4,6 +4,7 @@ None of this needs Sphinx; .ci/run builds the site itself, without warnings.
 """
 
 import copy
+import re
 from importlib import import_module
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import shell
 from docstrings import rst
 
 from houle import fields
+from houle.registry import choices
 
 CASE_FILE = pages.DOCS / "case-file.md"
 
@@ -44,6 +46,13 @@ def test_values_units_and_defaults_are_those_of_the_models():
     assert '| `walls` | `"slip"`, `"no-slip"` or table |  | `"slip"` |' in keys.markdown("domain")
     assert "| `box` | two lists of 2 or 3 numbers | m |" in keys.markdown("sponge")
     assert "m³, in 2D m²" in keys.markdown("reference")
+
+
+@pytest.mark.parametrize("key", ["scheme", "transfer", "kernel", "remesh"])
+def test_every_choice_of_the_numerics_is_named(key):
+    row = next(line for line in keys.markdown("numerics").splitlines() if line.startswith(f"| `{key}` |"))
+    named = re.findall(r'`"([a-z0-9-]+)"`', row.split(" | ")[1])
+    assert named == list(choices(key))
 
 
 def test_a_new_table_and_a_new_key_appear_by_themselves(tmp_path, monkeypatch):

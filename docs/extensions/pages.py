@@ -265,7 +265,7 @@ def _picture(page: Page, block: Block) -> str:
     if not path.is_file():
         raise ValueError(f"the commands of {page.path.name} left no {block.argument}")
     caption = " ".join(block.lines)
-    where = Path(*[".."] * (len(page.path.parent.relative_to(ROOT).parts)), path.relative_to(ROOT)).as_posix()
+    where = Path(os.path.relpath(path, page.path.parent)).as_posix()
     return f"```{{figure}} {where}\n:alt: {caption}\n\n{caption}\n```"
 
 
