@@ -28,6 +28,7 @@ myst_dmath_double_inline = True
 highlight_language = "none"  # of blocks that name no language
 smartquotes = False  # quotation marks in pages are those of case files
 
+os.environ.pop("MPLBACKEND", None)  # notebooks show their figures
 nb_execution_mode = "cache" if "HOULE_SITE_KEEP" in os.environ else "force"  # kept: for work on the texts alone
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
