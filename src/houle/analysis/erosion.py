@@ -121,7 +121,7 @@ def shields(
     viscosity: float = 1.0e-6,
     gravity: float = GRAVITY,
 ) -> Shields:
-    """From the velocity along the face (T,) [m/s] at `height` [m] above it; formulas and sources at the head.
+    """Shields number from the velocity along the face (T,) [m/s] at `height` [m] above it; formulas at the head.
 
     slope, repose [rad]; the law holds for turbulent flow over rough grains, u* d / nu > 30 or so, and height > 2 d.
     Raises AnalysisError.
@@ -141,7 +141,7 @@ def shields(
 
 
 def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | None = None) -> float:
-    """By how long [s] the level inside follows the one outside, (T,) each, evenly spaced.
+    """The time [s] by which the level inside follows the one outside, (T,) each, evenly spaced.
 
     With a period: phase between the first harmonics, in (-T/2, T/2]. Without: highest cross-correlation of the two
     less their means, a parabola between samples, within a quarter of the record; of peaks of one height, which a

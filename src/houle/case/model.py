@@ -152,9 +152,10 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
     """The case in a file, or the shipped case of that name, or the tables of a dict. SI units.
 
     overrides  {"domain.spacing": 0.01, "porous.dam.porosity": 0.4}: a body, gauge or sensor by its name or its
-    number from 0.
+               number from 0
+
     Raises CaseError, one line per finding: key, value, allowed range, cure. Whether the shapes fit together is looked
-    at by `checks.require`.
+    at by `houle.check.rules.require`.
     """
     if isinstance(source, Case):
         if not overrides:

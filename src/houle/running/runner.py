@@ -59,7 +59,8 @@ def run(
     progress   say on standard error how far it is, and on standard output at the end where the time went
 
     Raises CaseError (the input is wrong, nothing was written), OutputError (a file could not be written),
-    SimulationError (the run failed; DIR/failure says why), session.Interrupted (Ctrl-C; a checkpoint was written).
+    SimulationError (the run failed; DIR/failure says why), houle.running.session.Interrupted (Ctrl-C; a checkpoint was
+    written).
     """
     says = reporter(progress)
     says.say(f"houle: reading {_called(case)}")

@@ -50,7 +50,10 @@ class Numerics(Table):
         default=0.5, ge=0, le=1, description="position correction towards uniform volume, 0 = off [-]"
     )
     tolerance: float = Field(
-        default=1e-7, gt=0, le=1e-2, description="of the pressure: max abs(div u_d) dt, a relative volume change [-]"
+        default=1e-7,
+        gt=0,
+        le=1e-2,
+        description="tolerance of the pressure: max abs(div u_d) dt, a relative change of volume [-]",
     )
 
     @model_validator(mode="before")

@@ -51,7 +51,7 @@ class Force(Table):
     name: Name = Field(default="", description="name in the results; F1, F2, ... when left out")
     body: str | None = Field(default=None, description="name of a [[solid]] or [[porous]]")
     side: Literal["left", "right", "front", "back", "bottom", "top"] | None = Field(
-        default=None, description="of the tank, instead of a body"
+        default=None, description="side of the tank, instead of a body"
     )
     about: Point | None = Field(
         default=None, description="point of the moments; middle of the base or foot of the wall when left out [m]"

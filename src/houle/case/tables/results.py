@@ -26,16 +26,22 @@ class Reflection(Table):
         tuple[str, ...], Field(strict=False, min_length=2, description="names of the gauges in front of the structure")
     ]
     behind: Annotated[
-        tuple[str, ...], Field(strict=False, description="names of those behind it; without any no C_T")
+        tuple[str, ...], Field(strict=False, description="names of the gauges behind it; without any there is no C_T")
     ] = ()
     method: Literal["zelt-skjelbreia", "mansard-funke", "goda-suzuki", "jh2020"] = Field(
         default="zelt-skjelbreia", description="how incident and reflected waves are told apart, see docs/analysis.md"
     )
     window: Annotated[tuple[float, float], Field(strict=False)] | None = Field(
-        default=None, description="from, to; when left out, after the waves are steady and before they come again [s]"
+        default=None,
+        description="from, to; when left out, from when the waves are steady until they come again from the maker [s]",
     )
-    theory: bool = Field(default=True, description="also linear theory, if the structure is one vertical block")
-    twin: bool = Field(default=True, description="also the quality of the waves, from the same flume without structure")
+    theory: bool = Field(
+        default=True, description="whether linear theory is given too, if the structure is one upright block"
+    )
+    twin: bool = Field(
+        default=True,
+        description="whether the same flume is computed without the structure, for the quality of its waves",
+    )
 
     @model_validator(mode="after")
     def makes_sense(self) -> Reflection:

@@ -14,15 +14,25 @@ COLUMNS = {"velocity": "velocity_m_s", "discharge": "discharge_m2_s", "level": "
 class Open(Table):
     """[[open]]: a side through which water comes and goes, at a velocity or discharge, towards a level, or both."""
 
-    side: Literal["left", "right"] = Field(description="of the tank, x = 0 or x = size[0]")
+    side: Literal["left", "right"] = Field(description="side of the tank; left is x = 0")
     velocity: float | None = Field(
-        default=None, ge=-50, le=50, description="mean over the depth, positive into the tank [m/s]"
+        default=None,
+        ge=-50,
+        le=50,
+        description="mean velocity over the depth, positive into the tank on either side [m/s]",
     )
     discharge: float | None = Field(
-        default=None, ge=-1e4, le=1e4, description="per metre of width, positive into the tank [m2/s]"
+        default=None,
+        ge=-1e4,
+        le=1e4,
+        description="discharge per metre of width, positive into the tank on either side [m2/s]",
     )
     level: float | None = Field(
-        default=None, gt=0, le=1e4, description="above z = 0, kept outside; waves leave the tank [m]", examples=[0.25]
+        default=None,
+        gt=0,
+        le=1e4,
+        description="level above z = 0 that is kept outside; long waves leave the tank [m]",
+        examples=[0.25],
     )
     file: str | None = Field(
         default=None,
@@ -39,8 +49,8 @@ class Open(Table):
     response: float | None = Field(
         default=None,
         gt=0,
-        description="of a level without velocity or discharge: time in which the flow that keeps the level is found; "
-        "four times that of a long wave through the tank when left out [s]",
+        description="time in which a level without velocity or discharge finds the flow that keeps it; four times that "
+        "of a long wave through the tank when left out [s]",
     )
 
     @model_validator(mode="after")

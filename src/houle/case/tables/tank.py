@@ -20,7 +20,9 @@ MOST_CELLS = 1e15  # in a domain: they can be numbered; whether they can be held
 class Head(Table):
     """[case]"""
 
-    name: Name = Field(description="short name of the case, also of its result folder: letters, digits, - _ .")
+    name: Name = Field(
+        description="short name of the case and of its result folder: letters, digits, hyphens, underscores, points"
+    )
     title: str = Field(default="", max_length=500, description="one line for pictures and reports")
 
 
@@ -178,7 +180,7 @@ class Water(Shape):
 class Solid(Shape):
     """[[solid]]: impermeable."""
 
-    name: Name = Field(default="", description="for messages and pictures; solid-1, ... when left out")
+    name: Name = Field(default="", description="name in messages and pictures; solid-1, ... when left out")
 
 
 class Resistance(Table):
@@ -189,23 +191,31 @@ class Resistance(Table):
         description="published law, see `houle describe resistance`",
         json_schema_extra=lambda schema: schema.update(enum=list(LAWS)),
     )
-    alpha: float | None = Field(default=None, ge=0, le=1e5, description="linear coefficient of the law [-]")
-    beta: float | None = Field(default=None, ge=0, le=1e3, description="quadratic coefficient of the law [-]")
+    alpha: float | None = Field(
+        default=None, ge=0, le=1e5, description="linear coefficient of the law, the published one when left out [-]"
+    )
+    beta: float | None = Field(
+        default=None, ge=0, le=1e3, description="quadratic coefficient of the law, the published one when left out [-]"
+    )
     kc: float | None = Field(
-        default=None, gt=0, description="one Keulegan-Carpenter number for all, instead of that where the water is [-]"
+        default=None,
+        gt=0,
+        description="one Keulegan-Carpenter number for the body, instead of that of the velocity at each place [-]",
     )
     period: float | None = Field(
         default=None,
         gt=0,
-        description="of the flow to and fro, for KC where the water is; that of [waves] when left out, steady without "
-        "them [s]",
+        description="period of the flow to and fro, for KC from the velocity at each place; that of [waves] when left "
+        "out, steady flow without waves [s]",
     )
     a: float | None = Field(
         default=None, ge=0, description="canonical linear coefficient, drag = a u_d + b abs(u_d) u_d [1/s]"
     )
     b: float | None = Field(default=None, ge=0, description="canonical quadratic coefficient [1/m]")
-    permeability: float | None = Field(default=None, gt=0, le=1, description="K_p = nu/a [m2]")
-    forchheimer: float | None = Field(default=None, ge=0, le=1e3, description="C_f = b sqrt(K_p) [-]")
+    permeability: float | None = Field(default=None, gt=0, le=1, description="permeability K_p = nu/a [m2]")
+    forchheimer: float | None = Field(
+        default=None, ge=0, le=1e3, description="Forchheimer coefficient C_f = b sqrt(K_p) [-]"
+    )
 
     @property
     def given(self) -> dict[str, float]:
@@ -238,15 +248,17 @@ class Resistance(Table):
 class Porous(Shape):
     """[[porous]]: a rigid porous body."""
 
-    name: Name = Field(default="", description="for messages, pictures and --set; porous-1, ... when left out")
+    name: Name = Field(default="", description="name in messages, pictures and --set; porous-1, ... when left out")
     porosity: float = Field(gt=0, le=1, description="pore volume / total volume [-]", examples=[0.45])
     grain_diameter: float | None = Field(
         default=None, gt=0, le=5, description="median grain diameter d50, needed by every law [m]"
     )
-    resistance: Resistance = Field(description="{law = ...}, {a, b} or {permeability, forchheimer}")
+    resistance: Resistance = Field(
+        description="drag of the body, see below: {law = ...}, {a, b} or {permeability, forchheimer}"
+    )
     added_mass: float = Field(default=0.34, ge=0, le=10, description="gamma in C_r = 1 + gamma (1-n)/n [-]")
     added_mass_on: Literal["motion", "rate"] = Field(
-        default="motion", description="what it stands before: all of Du/Dt, or du/dt at a place alone"
+        default="motion", description='what C_r stands before: "motion", all of Du/Dt; "rate", du/dt at a place alone'
     )
 
     @model_validator(mode="after")
@@ -267,7 +279,7 @@ class Gate(Table):
 class Absorber(Table):
     """[[absorber]]: a wall across the tank that gives way to the waves that reach it: active absorption."""
 
-    name: Name = Field(default="", description="for messages and results; absorber-1, ... when left out")
+    name: Name = Field(default="", description="name in messages and results; absorber-1, ... when left out")
     x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
     side: Literal["left", "right"] = Field(
         default="right", description="end of the water at which it stands; behind it is no water"
@@ -283,7 +295,7 @@ class Absorber(Table):
 class Sponge(Table):
     """[[sponge]]: takes up waves on their way to the side of the tank that it touches."""
 
-    name: Name = Field(default="", description="for messages and pictures; sponge-1, ... when left out")
+    name: Name = Field(default="", description="name in messages and pictures; sponge-1, ... when left out")
     box: Annotated[tuple[Point, Point], Field(strict=False)] = Field(
         description="corners [[x, z], [x, z]]; one end at a side of the tank [m]"
     )

@@ -45,7 +45,7 @@ class Source(Table):
 class Zone(Table):
     """waves.zone: relaxation zone, the flow is led towards the wave between x[0] and x[1]."""
 
-    x: Point2 = Field(description="from, to; the wave is complete at the first, free at the second [m]")
+    x: Point2 = Field(description="from, to; the wave is that of theory at the first and free at the second [m]")
 
     @model_validator(mode="after")
     def runs_to_the_right(self) -> Zone:
@@ -69,34 +69,46 @@ class Piston(Table):
 class Waves(Table):
     """[waves]"""
 
-    kind: Annotated[str, OneOf("waves")] = Field(description="what comes")
+    kind: Annotated[str, OneOf("waves")] = Field(description="kind of waves")
     theory: Annotated[str, OneOf("theory")] = Field(
-        default="auto", description="of regular and solitary waves, see `houle describe theories`"
+        default="auto", description="theory of regular or solitary waves, see `houle describe theories`"
     )
     height: float | None = Field(
         default=None,
         gt=0,
         le=100,
-        description="crest to trough; Hm0 of a spectrum; of solitary and focused the crest above still water [m]",
+        description="height, crest to trough; H_m0 of a spectrum; of solitary and focused waves that of the crest "
+        "above still water [m]",
         examples=[0.04],
     )
     period: float | None = Field(
         default=None, gt=0, le=1e5, description="wave period, peak period of a spectrum [s]", examples=[1.2]
     )
-    depth: float = Field(gt=0, le=1000, description="still water depth where the waves are made [m]", examples=[0.25])
+    depth: float = Field(
+        gt=0,
+        le=1000,
+        description="still water depth where the waves are made, that of [[water]] there [m]",
+        examples=[0.25],
+    )
     direction: float = Field(
-        default=0.0, gt=-90, lt=90, description="direction of travel from the x axis, 3D only [degrees]"
+        default=0.0,
+        gt=-90,
+        lt=90,
+        description="direction of travel from the x axis, in 3D and from a source only [degrees]",
     )
     current: float = Field(
         default=0.0,
         ge=-20,
         le=20,
-        description="of the water that carries the waves, uniform over the depth, towards larger x; period is that "
-        "seen from the bed [m/s]",
+        description="velocity of the water that carries the waves, uniform over the depth, towards larger x; period is "
+        "that seen from the bed [m/s]",
     )
-    seed: int = Field(default=1, ge=0, description="of the random phases and frequencies: same seed, same sea")
-    gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap and tma [-]")
-    file: str | None = Field(default=None, description="CSV beside the case file with columns t_s, eta_m")
+    seed: int = Field(default=1, ge=0, description="seed of the random phases and frequencies: same seed, same sea")
+    gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap, tma and focused [-]")
+    file: str | None = Field(
+        default=None,
+        description="CSV beside the case file with columns t_s, eta_m, the elevation above still water at the maker",
+    )
     start: float = Field(
         default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run, series only [s]"
     )
@@ -114,9 +126,9 @@ class Waves(Table):
         ge=0,
         description="time in which the waves grow; two periods when left out, none for solitary, focused, series [s]",
     )
-    source: Source | None = Field(default=None, description="internal source {x, width, form, side}")
-    zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}")
-    piston: Piston | None = Field(default=None, description="moving wall {x, absorb}")
+    source: Source | None = Field(default=None, description="internal source {x, width, form, side}, see below")
+    zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}, see below")
+    piston: Piston | None = Field(default=None, description="moving wall {x, absorb}, see below")
 
     @model_validator(mode="after")
     def agrees(self) -> Waves:
