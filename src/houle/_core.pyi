@@ -4,6 +4,7 @@
 from collections.abc import Sequence
 import numpy
 import numpy.typing
+from numpy.typing import NDArray
 
 class Grid2:
     def __init__(self, shape: Sequence[int], spacing: Sequence[float], periodic: Sequence[bool]) -> None: ...
@@ -623,7 +624,7 @@ def remesh_conservative(
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
     along: bool = True,
     gates: numpy.typing.NDArray[numpy.float64] | None = None,
-) -> tuple:
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved."""
 
 def remesh_paper(
@@ -634,7 +635,7 @@ def remesh_paper(
     porosity: numpy.typing.NDArray[numpy.float64] | None,
     threshold: float,
     gates: numpy.typing.NDArray[numpy.float64] | None = None,
-) -> tuple:
+) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """(position, velocity, volume): a full particle on every lattice node whose fill exceeds the threshold."""
 
 def sph_density_sum(
