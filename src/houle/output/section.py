@@ -70,9 +70,10 @@ class SectionPicture:
         return shapely.difference(self.section.area([entry], self.layer), self.solid)
 
     def _still_water(self) -> float | None:
-        """Level of the water at the start [m]; None where it has several and no waves come."""
-        level = self.section.depth() or None
-        return level if self.waves or self.section.drop() < 1e-3 * self.grid.spacing[-1] else None
+        """Level of the water at the start [m]; None where it has several and no waves come, or reaches the lid."""
+        level, near = self.section.depth(), 1e-3 * self.grid.spacing[-1]
+        one = self.waves or self.section.drop() < near
+        return level if one and 0.0 < level < self.grid.size[-1] - near else None
 
     def _height(self, levels: Iterable[float] | None) -> float:
         """Top of the picture [m], with air for the words."""
@@ -155,6 +156,7 @@ class SectionPicture:
         """
         panel.set(xlim=(0, self.grid.size[0]), ylim=(self.floor, self.height))
         panel.spines["right"].set_visible(True)
+        panel.spines["top"].set_visible(self.height >= (1.0 - 1e-9) * self.grid.size[-1])  # the lid of the tank
         self._draw_bodies(panel, over)
         if self.still_water is not None:
             self._draw_still_water(panel, self.still_water)
