@@ -10,7 +10,8 @@ from houle.reproduction import page
 from houle.reproduction.measured import gather
 from houle.reproduction.plan import choose, folder_of, read
 from houle.reproduction.work import compute
-from houle.running.progress import duration, reporter
+from houle.results.seconds import duration
+from houle.running.progress import reporter
 
 REPORT = "report.md"
 

@@ -11,8 +11,10 @@ from houle.case.model import Case
 from houle.check.cost import price
 from houle.errors import SimulationError
 from houle.reproduction.plan import Job
-from houle.running.progress import Silent, duration
-from houle.running.runner import Run, once, open_run
+from houle.results.run import Run, open_run
+from houle.results.seconds import duration
+from houle.running.progress import Silent
+from houle.running.runner import once
 
 RUNS = "runs"
 
