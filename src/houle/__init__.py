@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from houle.case.model import Case, load
     from houle.errors import CaseError, HouleError, SimulationError
-    from houle.running.runner import Run, open_run, resume, run
+    from houle.results.run import Run, open_run
+    from houle.running.runner import resume, run
 
 __all__ = ["Case", "CaseError", "HouleError", "Run", "SimulationError", "load", "open_run", "resume", "run"]
 
@@ -27,8 +28,8 @@ _HOME = {
     "CaseError": "houle.errors",
     "HouleError": "houle.errors",
     "SimulationError": "houle.errors",
-    "Run": "houle.running.runner",
-    "open_run": "houle.running.runner",
+    "Run": "houle.results.run",
+    "open_run": "houle.results.run",
     "resume": "houle.running.runner",
     "run": "houle.running.runner",
 }

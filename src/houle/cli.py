@@ -200,7 +200,7 @@ def reproduce(
 
     Runs that lie finished in DIR are not run again, interrupted ones go on. Status 3 if one failed.
     """
-    from houle.reproduction import reproduce as compute
+    from houle.reproduction.command import reproduce as compute
 
     status = compute(
         paper, out, file=page, quick=quick, spacing=spacing, only=only or (), threads=threads, progress=not quiet

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from houle import analysis
-from houle.results import impacts
+from houle.results.summary import pressures
 
 
 def triangle(time, top, width, at=1.0, base=0.0):
@@ -64,7 +64,7 @@ def test_what_is_no_record_is_refused(time, pressure, window):
 def test_one_step_is_called_an_impulse():
     entry = {"sensor": "P", "largest": 28e3, "time": 1.0, "duration": 1e-3, "impulse": 28.0, "lasting": 4e3}
     entry |= {"window": 5e-3, "steps": 1.0}
-    ((name, line),) = impacts.rows([entry])
+    ((name, line),) = pressures([entry])
     assert name == "P" and line == "28.0 kPa at 1 s for 1 ms (28 Pa s, one step: an impulse); over 5 ms 4000 Pa"
-    ((_, line),) = impacts.rows([entry | {"steps": 20.0}])
+    ((_, line),) = pressures([entry | {"steps": 20.0}])
     assert "one step" not in line

@@ -9,8 +9,8 @@ from matplotlib.image import imread
 
 from houle.case.model import load
 from houle.case.reading import shipped
+from houle.case.section import CrossSection
 from houle.check import cost, drag, rules
-from houle.check.section import CrossSection
 from houle.errors import CaseError
 from houle.output.drawing import INK, SHADE, SOLID, STONE
 from houle.output.section import draw

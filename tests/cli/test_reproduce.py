@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from houle.check import rules
 from houle.cli import app
 from houle.errors import SimulationError
-from houle.reproduction import command, measured, page, plan, work
+from houle.reproduction import command, measured, page, plan
 from houle.results import reflection
 from houle.running import runner
 
@@ -91,7 +91,7 @@ def test_the_page_holds_tables_and_figures(computed):
 def test_what_is_there_is_not_computed_again(computed, tiny, monkeypatch, tmp_path):
     """And the page goes where it is asked for, with all of the runs."""
     written = []
-    monkeypatch.setattr(work, "once", lambda *args: pytest.fail("computed a second time"))
+    monkeypatch.setattr(command, "once", lambda *args: pytest.fail("computed a second time"))
     monkeypatch.setattr(page, "write", lambda *args: written.append(args))
     assert tiny(computed, file=tmp_path / "page.md") == 0
     ((file, _, found, done, _),) = written
@@ -110,7 +110,7 @@ def test_a_run_that_fails_is_told_and_does_not_stop_the_others(computed, tiny, m
         raise SimulationError("it fell over\nin detail")
 
     states = []
-    monkeypatch.setattr(work, "once", fail)
+    monkeypatch.setattr(command, "once", fail)
     monkeypatch.setattr(page, "write", lambda file, folder, found, done, quick: states.append(page._state(done, quick)))
     assert tiny(computed, progress=True, only=["rock-houle", *TINY]) == 3
     assert "failed  rock-houle: it fell over" in capsys.readouterr().err

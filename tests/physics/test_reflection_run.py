@@ -8,7 +8,7 @@ import pytest
 from houle.case.model import load
 from houle.check import gauges
 from houle.errors import CaseError
-from houle.results import reflection, wave_quality
+from houle.results import reflection, summary, wave_quality
 from houle.running.progress import Silent
 
 
@@ -76,7 +76,7 @@ def test_a_run_says_its_reflection_or_why_there_is_none(tmp_path):
     said_before = gauges.steady(run.case)
     steady = re.compile(r"the gauges are steady at ([\d.]+) s")
     assert steady.search(said_before.text)[1] == steady.search(run.summary["reflection"]["problem"])[1]
-    assert reflection.rows(run.summary["reflection"])[0][0] == "none"
+    assert summary.reflection(run.summary["reflection"])[0][0] == "none"
     change |= {"time.end": 6.0, "reflection.window": [3.0, 6.0]}
     run = houle.run(load("wave-block", change), out=tmp_path / "longer", threads=1)
     entry = run.summary["reflection"]

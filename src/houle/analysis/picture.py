@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from houle.analysis.measured import Measured
 from houle.output.atomic import replacing
 from houle.output.drawing import DPI, FAINT, GREY, INK, LABORATORY, SHADE, SMALL, TEXT, WATER, fitted, headline, style
-
-if TYPE_CHECKING:
-    from houle.analysis.result import Reflection
 
 INCIDENT, REFLECTED = WATER, LABORATORY
 SIZE, GAP, LEFT, RIGHT, TOP, BOTTOM = (6.4, 1.75), 0.75, 0.78, 0.9, 0.95, 0.72  # inches: of a panel, and around them
 MOST_GAUGES = 6  # drawn; evenly chosen when there are more
 
 
-def draw(r: Reflection, path: Path) -> Path:
+def draw(r: Measured, path: Path) -> Path:
     """Signals with the window shaded; the envelope along the flume (regular waves); harmonics, or the spectrum."""
     with style():
         figure, panels = _sheet(r, 3 if r.amplitudes is not None else 2)
@@ -37,7 +35,7 @@ def draw(r: Reflection, path: Path) -> Path:
     return path
 
 
-def _sheet(r: Reflection, count: int) -> tuple[Figure, list[Any]]:
+def _sheet(r: Measured, count: int) -> tuple[Figure, list[Any]]:
     """Panels one under another, the coefficients as the title, the colours at the foot."""
     width, height = LEFT + SIZE[0] + RIGHT, TOP + count * SIZE[1] + (count - 1) * GAP + BOTTOM
     figure = Figure(figsize=(width, height))
@@ -54,7 +52,7 @@ def _sheet(r: Reflection, count: int) -> tuple[Figure, list[Any]]:
     return figure, panels
 
 
-def _numbers(r: Reflection) -> str:
+def _numbers(r: Measured) -> str:
     every = (("C_R", r.C_R, r.interval_R), ("C_T", r.C_T, r.interval_T), ("C_D", r.C_D, r.interval_D))
     known = [(name, value, span) for name, value, span in every if np.isfinite(value)]
     between = [f" ({low:.3f} to {high:.3f})" if np.isfinite(low) else "" for _, _, (low, high) in known]
@@ -66,7 +64,7 @@ def _headings(panel: Any, left: str, right: str = "") -> None:
     panel.set_title(right, loc="right", fontsize=TEXT, color=GREY, pad=4)
 
 
-def _signals(panel: Any, r: Reflection) -> None:
+def _signals(panel: Any, r: Measured) -> None:
     g = r.record
     rows = np.unique(np.linspace(0, len(g.x) - 1, min(len(g.x), MOST_GAUGES)).round().astype(int))
     levels = g.eta[rows] - g.eta[rows].mean(axis=1, keepdims=True)
@@ -91,7 +89,7 @@ def _signals(panel: Any, r: Reflection) -> None:
     )
 
 
-def _envelope(panel: Any, r: Reflection) -> None:
+def _envelope(panel: Any, r: Measured) -> None:
     """Amplitude of the first harmonic: measured at the gauges, and of the two waves between them."""
     assert r.amplitudes is not None
     first, x = r.harmonics[0], r.record.x
@@ -111,7 +109,7 @@ def _envelope(panel: Any, r: Reflection) -> None:
     _headings(panel, "First harmonic: at the gauges, and the two waves together", unexplained)
 
 
-def _harmonics(panel: Any, r: Reflection) -> None:
+def _harmonics(panel: Any, r: Measured) -> None:
     sizes = [("incident", 0, INCIDENT, 1.0), ("reflected", 1, REFLECTED, 1.0)]
     sizes += [("free_incident", 2, INCIDENT, 0.45), ("free_reflected", 3, REFLECTED, 0.45)]
     largest = 1e3 * abs(r.harmonics[0].incident)
@@ -132,7 +130,7 @@ def _harmonics(panel: Any, r: Reflection) -> None:
     _headings(panel, "Amplitudes taken apart", "pale: free waves; dark: moving with the primary wave")
 
 
-def _spectrum(panel: Any, r: Reflection) -> None:
+def _spectrum(panel: Any, r: Measured) -> None:
     assert r.lines is not None
     f, width = r.lines.frequency, max(1, len(r.lines.frequency) // 30)
     kernel = np.ones(width) / width

@@ -12,7 +12,8 @@ import numpy as np
 
 from houle.case.build import first_rows, viscous_step
 from houle.case.model import Case
-from houle.check.section import CrossSection, Finding
+from houle.case.section import CrossSection
+from houle.check.finding import Finding
 from houle.flow.rows import memory
 from houle.flow.setup import WAVE_SHARE
 from houle.grid import MOST_NUMBERS

@@ -8,8 +8,8 @@ from typing import Any
 
 from houle.case.build import coefficients, stated
 from houle.case.model import Case
+from houle.case.section import CrossSection, Entry
 from houle.case.tables.tank import Fluid, Porous
-from houle.check.section import CrossSection, Entry
 from houle.medium.resistance import (
     LAWS,
     Law,

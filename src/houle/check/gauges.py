@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from math import pi
 
 from houle.analysis import AnalysisError, choose_window
+from houle.case.acting import reach
 from houle.case.model import Case
+from houle.case.section import CrossSection
 from houle.case.tables.results import Reflection
 from houle.case.tables.waves import Source
-from houle.check.section import CrossSection, Finding
-from houle.check.waves import reach
+from houle.check.finding import Finding
 from houle.results.reflection import limits
 from houle.waves.wave import Wave
 

@@ -19,9 +19,10 @@ from houle.case.build import viscous_step
 from houle.case.messages import guess, metres, place, several, show
 from houle.case.model import Case
 from houle.case.reading import is_file
+from houle.case.section import CrossSection
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.cost import memory_suffices
-from houle.check.section import CrossSection, Finding
+from houle.check.finding import Finding
 from houle.check.waves import sponges_fit, waves_fit
 from houle.errors import CaseError
 from houle.flow.schemes import SCHEMES

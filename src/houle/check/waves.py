@@ -16,13 +16,15 @@ import shapely
 
 from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
 from houle.boundary.sponge import sides
+from houle.case.acting import Reach, reach
 from houle.case.build import source_of
 from houle.case.messages import metres, place
 from houle.case.model import Case
+from houle.case.section import CrossSection
 from houle.case.tables.tank import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
 from houle.case.wave import read_record
-from houle.check.section import CrossSection, Finding
+from houle.check.finding import Finding
 from houle.check.wave_theory import assess
 from houle.data.history import shortcomings
 from houle.errors import CaseError
@@ -33,26 +35,11 @@ from houle.waves.wave import Wave
 
 LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths of a zone or a sponge: below is a warning
 SHORT = 0.5  # of a zone for periodic waves: below is an error
-NEARBY = 3.0  # depths in front of a piston where the water is to be even
 SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
 TOLD = 0.35  # of the rms of a record with its two ends, what a source leaves out: more is a warning
 OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, second order a twelfth
 GROUP = 0.95  # of the crest of a focused group, what its waves that are fast enough make
 SAMPLES = 51  # columns over a maker in which the depth is looked at
-
-Reach = tuple[float, float]
-
-
-def reach(case: Case, wave: Wave) -> Reach:
-    """Where the maker acts, from and to [m]."""
-    assert case.waves is not None
-    maker = case.waves.maker
-    if isinstance(maker, Zone):
-        return maker.x
-    if isinstance(maker, Piston):
-        return maker.x, maker.x + NEARBY * wave.depth
-    half = ACTS * source_of(case.waves, wave).width
-    return maker.x - half, maker.x + half
 
 
 def waves_fit(s: CrossSection) -> Iterator[Finding]:

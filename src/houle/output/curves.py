@@ -14,7 +14,7 @@ from houle.fields import OPERATIONS
 from houle.grid import FloatArray, Grid, axes
 from houle.output import drawing
 from houle.output.drawing import FAINT, LINES, headings, label, label_ends, sheet
-from houle.output.section import title
+from houle.output.labels import title
 
 Curves = dict[str, FloatArray]
 LEFT = 0.78  # inches, for numbers and units

@@ -15,8 +15,7 @@ from houle.flow.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
 from houle.output.drawing import colour_bar
-from houle.output.pictures import BAR
-from houle.output.pressure import pressure_scale
+from houle.output.pressure import BAR, pressure_scale
 from houle.output.section import SectionPicture
 
 NAME = "movie.mp4"

@@ -19,11 +19,11 @@ from houle.grid import FloatArray, Grid
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
 from houle.output.drawing import LABORATORY, SHADE, WATER, colour_bar, headings, sheet
-from houle.output.pressure import pressure_scale
-from houle.output.section import SectionPicture, length, title
+from houle.output.labels import title
+from houle.output.pressure import BAR, pressure_scale
+from houle.output.section import SectionPicture, length
 
 MOST = 6  # panels of a sheet without laboratory times
-BAR = 0.45  # inches that a colour bar takes under the panels
 
 __all__ = ["gauges_picture", "ledger_picture", "plan_picture", "pressure_picture", "surface_picture", "write_pictures"]
 

@@ -12,6 +12,7 @@ from houle.grid import FloatArray, Grid
 
 WIDER = 1.42  # side of a mark over that of the square the particle fills: the water has no gaps
 SUCTION = 0.1  # of the largest pressure: less is round-off and splashes
+BAR = 0.45  # inches that a colour bar takes under the panels
 
 
 def pressure_image(frame: Snapshot, grid: Grid, y: float, height: float, pixels: tuple[int, int]) -> FloatArray:

@@ -20,9 +20,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
 
+from houle.case.acting import Band, acting, walls_at_rest
 from houle.case.model import Case
-from houle.check.boundaries import Band, acting, walls_at_rest
-from houle.check.section import CrossSection, Entry
+from houle.case.section import CrossSection, Entry
 from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray
 from houle.medium.sections import Span
@@ -30,7 +30,7 @@ from houle.medium.shapes import polygons
 from houle.medium.thin_solids import at_width
 from houle.output import drawing
 from houle.output.drawing import FAINT, GREY, INK, PALE, SHADE, SMALL, SOLID, STONE, STONE_LINE, WATER, Sheet, sheet
-from houle.output.labels import apart, leader, near_points
+from houle.output.labels import apart, leader, near_points, title
 from houle.output.pressure import pressure_image
 
 LONGEST = 5.5  # length of a panel over its height; the heights of a longer flume are stretched
@@ -380,10 +380,6 @@ def _fill(panel: Axes, area: shapely.Geometry, **look: Any) -> None:
     for part in polygons(area):
         rings = [Outline(np.asarray(r.coords), closed=True) for r in (part.exterior, *part.interiors)]
         panel.add_patch(PathPatch(Outline.make_compound_path(*rings), **look))
-
-
-def title(case: Case) -> str:
-    return case.case.title or case.case.name
 
 
 def length(value: float) -> str:

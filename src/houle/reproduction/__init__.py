@@ -3,7 +3,3 @@
 A paper is a folder here: plan.toml (what to run), case files, the numbers it prints (CSV), page.md (the words). The
 runs go through houle.run; every number of the page is read out of them, or out of the CSV.
 """
-
-from houle.reproduction.command import reproduce
-
-__all__ = ["reproduce"]

@@ -10,7 +10,9 @@ from houle.reproduction import page
 from houle.reproduction.measured import gather
 from houle.reproduction.plan import choose, folder_of, read
 from houle.reproduction.work import compute
-from houle.running.progress import duration, reporter
+from houle.results.seconds import duration
+from houle.running.progress import reporter
+from houle.running.runner import once
 
 REPORT = "report.md"
 
@@ -41,7 +43,7 @@ def reproduce(
     for _, case in chosen:
         rules.require(case)
     here = Path(out or f"reproduction-{paper}")
-    done = compute(chosen, here, threads, says, progress)
+    done = compute(chosen, here, says, lambda case, place: once(case, place, threads, progress))
     says.say("houle: figures and page")
     found = gather(folder, plan, done.runs)
     written = page.write(Path(file) if file else here / REPORT, folder, found, done, quick)

@@ -14,7 +14,7 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 
-from houle.check.section import CrossSection
+from houle.case.section import CrossSection
 from houle.data import laboratory
 from houle.grid import FloatArray, Grid
 from houle.output import drawing

@@ -17,7 +17,7 @@ from houle.data.csv_table import read_columns
 from houle.grid import FloatArray
 from houle.reproduction.plan import Job
 from houle.results import reflection
-from houle.running.runner import Run
+from houle.results.run import Run
 
 TABLE = "table1.csv"
 COLUMNS = ("slope", "height", "C", "A", "B", "H_R", "H_I", "C_R", "figure", "top", "bottom")

@@ -14,10 +14,10 @@ from houle.output.atomic import write_text
 from houle.reproduction import figures
 from houle.reproduction.measured import INSTANTS, Found, Pair, Printed, WaveRun, lorentz
 from houle.reproduction.pack import pack
-from houle.reproduction.work import Done
+from houle.reproduction.plan import Done
 from houle.results.reflection import first_harmonic, wave_of
-from houle.running.progress import duration
-from houle.running.runner import Run
+from houle.results.run import Run
+from houle.results.seconds import duration
 
 FIGURES = "figures"
 PERIODS = (0.8, 1.0, 1.2, 1.5, 2.0)  # s, of the table of theory

@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import perf_counter
 
 from houle.case.model import Case
 from houle.check.cost import price
 from houle.errors import SimulationError
-from houle.reproduction.plan import Job
-from houle.running.progress import Silent, duration
-from houle.running.runner import Run, once, open_run
+from houle.reproduction.plan import Done, Job
+from houle.results.run import Run, open_run
+from houle.results.seconds import duration
+from houle.running.progress import Silent
 
 RUNS = "runs"
 
 
-@dataclass
-class Done:
-    """Finished runs by the name of their job, and why others failed."""
-
-    runs: dict[str, Run] = field(default_factory=dict)
-    failed: dict[str, str] = field(default_factory=dict)
-
-
-def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, threads: int | None, says: Silent, progress: bool) -> Done:
+def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, says: Silent, once: Callable[[Case, Path], Run]) -> Done:
     """Runs what is not there, goes on with what was interrupted; a run that fails does not stop the others.
+
+    once: makes the run of a case in a folder, or goes on with the one that lies there
 
     The folder of a run is named after the job and the hash of its case, so that another spacing, or a new version of
     the case, does not meet an old result. Raises what houle.run raises but SimulationError.
@@ -46,7 +40,7 @@ def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, threads: int | None,
         says.say(f"houle: {head}, spacing {1e3 * case.domain.spacing:g} mm{rest}")
         start = perf_counter()
         try:
-            done.runs[job.name] = once(case, place, threads, progress)
+            done.runs[job.name] = once(case, place)
         except SimulationError as error:
             says.say(f"warning: {job.name} failed: {error}")
             done.failed[job.name] = str(error).splitlines()[0]

@@ -13,10 +13,9 @@ from houle.output import series_table
 from houle.output.netcdf import TIME, Variable
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 STEPS = 5  # of the computation, or rows of the series, over which a pressure must last
-FEW = 1.5  # steps: what lasts no longer is an impulse
 
 
 def record(run: Run) -> dict[str, Any]:
@@ -39,24 +38,3 @@ def record(run: Run) -> dict[str, Any]:
 def _along_time(variable: Variable) -> NDArray[np.float64]:
     """The values of each sensor against time, (sensors, times)."""
     return np.moveaxis(variable.values, variable.dims.index(TIME), -1)
-
-
-def rows(found: list[dict[str, Any]]) -> list[tuple[str, str]]:
-    """The entry in lines."""
-    return [(entry["sensor"], _line(entry)) for entry in found]
-
-
-def _line(entry: dict[str, Any]) -> str:
-    if entry["largest"] <= 0.0:
-        return "dry"
-    brief = ", one step: an impulse" if entry["steps"] <= FEW else ""
-    largest, lasting = (_pascal(entry[name]) for name in ("largest", "lasting"))
-    duration, window = (f"{1e3 * entry[name]:.3g} ms" for name in ("duration", "window"))
-    return (
-        f"{largest} at {entry['time']:.4g} s for {duration} ({entry['impulse']:.3g} Pa s{brief}); "
-        f"over {window} {lasting}"
-    )
-
-
-def _pascal(value: float) -> str:
-    return f"{value:.0f} Pa" if abs(value) < 1e4 else f"{value / 1e3:.1f} kPa"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from houle.analysis import Reflection, Scatter
     from houle.case.model import Case
     from houle.case.tables.tank import Porous
-    from houle.running.runner import Run
+    from houle.results.run import Run
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
@@ -229,47 +229,3 @@ def asked_for(case: Case) -> dict[str, float]:
 def draw(found: Reflection, path: Path) -> None:
     """The picture; it does not fail the run."""
     found.plot(path)
-
-
-def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
-    """The entry of run.json in lines."""
-    if not entry:
-        return []
-    if "problem" in entry:
-        return [("none", entry["problem"])]
-    known, lines = entry.get("theory") or {}, []
-    for name in ("C_R", "C_T", "C_D"):
-        value, (low, high) = entry[name], entry[f"interval_{name[-1]}"]
-        if _number(value):
-            sure = f" ({low:.3f} to {high:.3f}, numerics not included)" if _number(low) else ""
-            beside = f"   linear theory {known[name]:.3f}" if _number(known.get(name)) else ""
-            lines.append((name, f"{value:.3f}{sure}{beside}"))
-    heights = [("incident", "H_I"), ("reflected", "H_R"), ("transmitted", "H_T")]
-    shown = ", ".join(f"{word} {1e3 * entry[key]:.4g} mm" for word, key in heights if _number(entry[key]))
-    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown + _of_what(entry)))
-    if _number(entry.get("H_made")):
-        lines.append(("of the sea as made", f"{1e3 * entry['H_made']:.4g} mm: theory at the gauges, in this window"))
-    w = entry["window"]
-    lines.append(("window", f"{w['start']:.4g} to {w['end']:.4g} s, {w['periods']} periods: {w['reason']}"))
-    lines.append((f"interval ({100 * entry['confidence']:g} %)", entry["covers"]))
-    if _number(entry["residual"]):
-        lines.append(("unexplained", f"{100 * entry['residual']:.2g} % of the amplitude at the gauges"))
-    if known:
-        lines.append(("linear theory", f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"))
-    if entry.get("no_theory"):
-        lines.append(("linear theory", f"none: {entry['no_theory']}"))
-    return [*lines, *(("note", note) for note in entry["notes"])]
-
-
-def _of_what(entry: dict[str, Any]) -> str:
-    """What the heights are, beside what was asked for."""
-    asked, first = (1e3 * (entry.get(key) or math.nan) for key in ("H_asked", "H_asked_1"))
-    if entry["method"] == "jh2020" or not _number(asked):
-        return ""
-    if not _number(first):
-        return f" (asked for {asked:.4g} mm)"
-    return f": first harmonics, crest to trough; the wave asked for, {asked:.4g} mm high, has one of {first:.4g} mm"
-
-
-def _number(value: Any) -> bool:
-    return value is not None and math.isfinite(value)

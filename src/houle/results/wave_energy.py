@@ -16,7 +16,7 @@ from houle.results.reflection import wave_of
 
 if TYPE_CHECKING:
     from houle.case.model import Case
-    from houle.running.runner import Run
+    from houle.results.run import Run
     from houle.waves.wave import Wave
 
 PERIODS = 5  # at the end of the run
@@ -55,19 +55,3 @@ def _window(case: Case, end: float) -> tuple[float, float] | None:
 
 def _per_wavelength(lost: float, held: float, wave: Wave) -> float:
     return lost * wave.length / wave.group_velocity / held if held > 0 else float("nan")
-
-
-def rows(entry: dict[str, Any]) -> list[tuple[str, str]]:
-    """The entry in lines."""
-    if not entry:
-        return []
-    unit = entry["unit"]
-    words = {
-        "source_work": "work of the maker", "open_work": "work at open sides",
-        "energy_exchange": "carried through open sides", "sponge_work": "taken by sponges and zone",
-        "drag_work": "taken by the porous drag", "viscous_work": "taken by viscosity", "stored": "stored",
-    }  # fmt: skip
-    least = 1e-9 * max(abs(entry[n]) for n in words if n in entry)
-    lines = [(word, f"{entry[n]:+.4g} {unit}") for n, word in words.items() if abs(entry.get(n, 0.0)) > least]
-    share = f"{100 * entry['lost_per_wavelength']:.2f} %"
-    return [*lines, ("lost in numbers", f"{entry['lost']:+.4g} {unit}"), ("  of the energy, per wavelength", share)]

@@ -10,7 +10,7 @@ import json
 import os
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -20,9 +20,9 @@ from houle.errors import HouleError
 from houle.observe import levels_at
 from houle.output.atomic import write_text
 from houle.results.reflection import Flume, first_harmonic, wave_of
-from houle.running.progress import Silent
 
 if TYPE_CHECKING:
+    from houle.flow.simulation import Simulation
     from houle.waves.wave import Wave
 
 GAUGES = 16
@@ -32,7 +32,19 @@ SETTLE, PERIODS = 1.0, 5  # periods to wait after the sponge has answered, and p
 SAMPLES = 50  # a period
 
 
-def card(case: Case, says: Silent) -> dict[str, Any]:
+class Says(Protocol):
+    """Tells a reader how far a computation is."""
+
+    def say(self, text: str) -> None: ...
+
+    def start(self, simulation: Simulation, end: float) -> None: ...
+
+    def step(self, simulation: Simulation) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+def card(case: Case, says: Says) -> dict[str, Any]:
     """The card in plain numbers, with the file that keeps it; {} if not asked for, {"problem": ...} if there is none.
 
     It is an extra: whatever goes wrong, the run it belongs to is not touched by it.
@@ -113,7 +125,7 @@ def _start(wave: Wave, flume: Flume, first: float, sponge: float) -> float:
     return (2 * turn - first - flume.maker) / wave.group_velocity + (2.0 + SETTLE) * wave.period
 
 
-def measure(empty: Case, says: Silent) -> analysis.QualityCard:
+def measure(empty: Case, says: Says) -> analysis.QualityCard:
     """Computes the twin and reads its card."""
     from houle.case.build import build
     from houle.flow.simulation import Simulation
@@ -143,30 +155,6 @@ def measure(empty: Case, says: Silent) -> analysis.QualityCard:
         reference=wave.k,
         gravity=empty.fluid.gravity,
     )
-
-
-def rows(found: dict[str, Any]) -> list[tuple[str, str]]:
-    """The card in lines."""
-    if not found:
-        return []
-    if "problem" in found:
-        return [("none", found["problem"])]
-    c = found
-    return [
-        (
-            "height",
-            f"first harmonic {1e3 * c['height']:.4g} mm, {100 * (c['height'] / c['target'] - 1):+.2f} % of the target",
-        ),
-        ("decay", f"{100 * c['decay']:.2f} % per wavelength"),
-        (
-            "celerity, phase",
-            f"{100 * c['celerity']:+.2f} % off theory, {np.degrees(c['phase']):+.2f} degrees a wave",
-        ),
-        ("spurious C_R", f"{c['reflection']:.4f} (of the sponge that stands in for the structure)"),
-        ("mean level", f"drift {1e3 * c['drift']:+.3f} mm, {1e3 * c['set_down']:+.3f} mm from still water"),
-        ("steadiness", f"{100 * c['steadiness']:.2f} % between {c['periods']} periods"),
-        ("kept in", c["kept"]),
-    ]
 
 
 def _version() -> str:

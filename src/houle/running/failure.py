@@ -14,16 +14,20 @@ import shutil
 import textwrap
 import traceback
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from houle.errors import SimulationError
 
+if TYPE_CHECKING:
+    from houle.flow.particles import Particles
+    from houle.flow.simulation import Simulation
+
 WORST = 20
 
 
-def as_failure(error: Exception, simulation: Any) -> SimulationError:
+def as_failure(error: Exception, simulation: Simulation) -> SimulationError:
     """The error as a SimulationError: itself, or for an unexpected one what is known, with the traceback."""
     if isinstance(error, SimulationError):
         return error
@@ -35,7 +39,9 @@ def as_failure(error: Exception, simulation: Any) -> SimulationError:
     )
 
 
-def write_bundle(directory: Path, simulation: Any, error: SimulationError, checkpoint: Path, versions: dict) -> Path:
+def write_bundle(
+    directory: Path, simulation: Simulation, error: SimulationError, checkpoint: Path, versions: dict[str, str]
+) -> Path:
     """Writes DIR/failure, in place of an older one, and returns it. `checkpoint` is the last good one."""
     folder, building = directory / "failure", directory / "failure.tmp"
     for old in (building, folder):
@@ -63,7 +69,7 @@ def diagnose(error: SimulationError, checkpoint: Path) -> str:
     return textwrap.fill(text, 100) + ("\n" + rest if rest else "")
 
 
-def worst_particles(particles: Any) -> list[dict]:
+def worst_particles(particles: Particles) -> list[dict]:
     """The particles that are not finite, then the fastest, WORST in all."""
     speed = np.sqrt(np.sum(particles.velocity**2, axis=1))
     finite = np.isfinite(speed) & np.isfinite(particles.position).all(axis=1) & np.isfinite(particles.volume)

@@ -12,7 +12,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, TextIO
+
+from houle.results.seconds import duration
+
+if TYPE_CHECKING:
+    from houle.flow.simulation import Simulation
 
 BAR_EVERY = 0.25  # s of wall time between two drawings of the bar
 LINE_EVERY = 10.0  # s between two plain lines
@@ -55,7 +60,7 @@ class Meter:
         self.end = end
         self.past: deque[tuple[float, float, int]] = deque()  # wall time, simulated time, steps
 
-    def read(self, simulation: Any) -> Numbers:
+    def read(self, simulation: Simulation) -> Numbers:
         now, count = perf_counter(), len(simulation.particles)
         self.past.append((now, simulation.time, simulation.steps))
         while len(self.past) > 2 and now - self.past[0][0] > WINDOW:
@@ -76,10 +81,10 @@ class Silent:
     def say(self, text: str) -> None:
         pass
 
-    def start(self, simulation: Any, end: float) -> None:
+    def start(self, simulation: Simulation, end: float) -> None:
         pass
 
-    def step(self, simulation: Any) -> None:
+    def step(self, simulation: Simulation) -> None:
         pass
 
     def stop(self) -> None:
@@ -104,11 +109,11 @@ class Lines(Silent):
             except (OSError, ValueError):
                 self.heard = False
 
-    def start(self, simulation: Any, end: float) -> None:
+    def start(self, simulation: Simulation, end: float) -> None:
         self.meter, self.simulation = Meter(end), simulation
         self.show(self.meter.read(simulation))
 
-    def step(self, simulation: Any) -> None:
+    def step(self, simulation: Simulation) -> None:
         if perf_counter() >= self.next:
             self.show(self.meter.read(simulation))
 
@@ -125,7 +130,7 @@ class Bar(Lines):
 
     every = BAR_EVERY
 
-    def start(self, simulation: Any, end: float) -> None:
+    def start(self, simulation: Simulation, end: float) -> None:
         from rich.console import Console
         from rich.live import Live
 
@@ -166,13 +171,3 @@ def reporter(progress: bool, stream: TextIO | None = None) -> Silent:
     if not progress or stream is None:  # none where it was closed
         return Silent()
     return Bar(stream) if stream.isatty() and os.environ.get("TERM") != "dumb" else Lines(stream)
-
-
-def duration(seconds: float) -> str:
-    """75 -> "1 min 15 s"."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{seconds:.1f} s" if seconds < 9.95 else f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60:02d} s"
-    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"

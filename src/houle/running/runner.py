@@ -7,24 +7,21 @@ import os
 import shutil
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cached_property
 from importlib.util import find_spec
 from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec
 
 from houle.errors import CaseError
+from houle.results.run import CASE_FILE, Run, checked_path, open_run
 from houle.running.progress import Silent, reporter
 from houle.running.signals import as_interrupts
 
 if TYPE_CHECKING:
-    import xarray
-
     from houle.case.model import Case
     from houle.running.session import Session
 
 P = ParamSpec("P")
-CASE_FILE = "case.toml"
 MOST_THREADS = 1 << 16
 PRICE_ACCURACY = 3.0  # of the guess of the disk space: a run is refused only if a third of it is not there
 
@@ -170,12 +167,12 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """What is made of a run that has been marched."""
     from houle.output import write_manifest
-    from houle.results import impacts, reflection, summary, wave_energy, wave_quality
+    from houle.results import impacts, laboratory, reflection, summary, wave_energy, wave_quality
 
     run = Run(session.directory)
     with session.clock.stage("pictures"):
         draw(run, session)
-    more = {"reference": score} if (score := summary.reference(run)) else {}
+    more = laboratory.record(run)
     if at_end:
         more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
@@ -186,7 +183,7 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     run = Run(session.directory)
     if progress:
         with suppress(OSError, ValueError):  # nobody reads it
-            summary.show(run)
+            summary.show(run.summary, run.directory)
     if not at_end:
         time = session.simulation.time
         session.says.say(f"houle: stopped at t = {time:g} s; go on with: houle resume {run.directory}")
@@ -207,95 +204,6 @@ def draw(run: Run, session: Session) -> None:
             movie.write_movie(run.directory / movie.NAME, run.case, run.fields)
     except Exception as error:
         session.says.say(f"warning: no pictures ({type(error).__name__}: {error})")
-
-
-class Run:
-    """A run folder: `directory`, `case`, `summary`, `series` and `surface` (xarray), `fields`, `pictures` (paths)."""
-
-    def __init__(self, directory: str | os.PathLike[str]) -> None:
-        self.directory = Path(directory)
-
-    @cached_property
-    def case(self) -> Case:
-        from houle.case.model import load
-
-        return load(self.directory / CASE_FILE)
-
-    @cached_property
-    def manifest(self) -> dict[str, Any]:
-        """All of run.json."""
-        from houle.output import read_manifest
-
-        return read_manifest(self.directory)
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """How the run went: finished, time, steps, seconds, volume drift, energy, score against the laboratory."""
-        return {"finished": self.manifest["finished"], **self.manifest["summary"]}
-
-    @cached_property
-    def series(self) -> xarray.Dataset:
-        """Gauges, sensors and ledger against time."""
-        from houle.output import read_series
-
-        return read_series(self.directory)
-
-    @cached_property
-    def surface(self) -> xarray.Dataset:
-        """eta(time, x), in 3D eta(time, y, x)."""
-        from houle.output import read_surface
-
-        return read_surface(self.directory)
-
-    @cached_property
-    def fields(self) -> Any:
-        """The frames: .times [s], .frame(i) -> houle.flow.snapshot.Snapshot."""
-        from houle.output import read_fields
-
-        return read_fields(self.directory)
-
-    @property
-    def pictures(self) -> list[Path]:
-        return sorted(self.directory.glob("*.png"))
-
-    def __repr__(self) -> str:
-        s = self.summary
-        state = "finished" if s["finished"] else "not finished"
-        return f"<houle run {self.directory}: {state}, t = {s['time']:g} s, {s['steps']} steps>"
-
-    def _repr_html_(self) -> str:
-        from houle.results.summary import as_html
-
-        return as_html(self)
-
-
-def open_run(directory: str | os.PathLike[str]) -> Run:
-    """The run in this folder; CaseError if there is none."""
-    folder = checked_path(directory, "directory")
-    if not (folder / "run.json").exists():
-        raise CaseError(f"{folder} holds no run (no run.json). Give the folder that houle run wrote to")
-    run = Run(folder)
-    run.manifest  # noqa: B018  (raises where it is none of ours)
-    return run
-
-
-def checked_path(path: Any, key: str) -> Path:
-    """A path that the system can take. Raises CaseError that names the key."""
-    if not isinstance(path, str | os.PathLike):
-        raise CaseError(f"{key} = {path!r} is not a folder: give a path, as text or pathlib.Path")
-    if not os.fspath(path):
-        raise CaseError(f"{key} is empty: give a path, '.' for the present folder")
-    try:
-        found = Path(path)
-        found.absolute().lstat()
-    except FileNotFoundError:
-        pass
-    except (OSError, ValueError, TypeError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        if not isinstance(error, NotADirectoryError):
-            words = str(path) if len(str(path)) < 80 else f"{str(path)[:60]}... ({len(str(path))} letters)"
-            raise CaseError(f"{key} = {words!r} cannot be used: {reason.lower()}. Give another folder") from None
-    return found
 
 
 def new_folder(name: str, out: str | os.PathLike[str] | None) -> Path:

@@ -19,7 +19,7 @@ from houle.validation import tables
 
 if TYPE_CHECKING:
     from houle.analysis import Reflection, Scatter
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 FRICTION = np.linspace(0.05, 1.2, 24)  # friction factors of the curves
 HEAD = ("variant", "T s", "n", "f", "behind", "H_I mm", "C_R", "95 %", "theory", "C_T", "95 %", "theory")

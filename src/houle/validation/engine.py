@@ -22,7 +22,7 @@ from houle.validation import tables
 from houle.validation.check import Check, Variant
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 FOLDER = Path(__file__).parent
 

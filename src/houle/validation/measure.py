@@ -14,7 +14,7 @@ from houle.grid import FloatArray
 from houle.validation.check import Check
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 
 def read_points(path: Path) -> Any:

@@ -12,7 +12,7 @@ from houle.validation.check import Check, report
 
 if TYPE_CHECKING:
     from houle.grid import FloatArray
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 C_R, PHASE = 0.25, 0.7  # ratio and phase of the reflected wave
 EXACT = 1e-8

@@ -13,7 +13,7 @@ from houle.results.reflection import first_harmonic, wave_of
 from houle.validation.flume import PERIODS
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 
 def window(run: Run) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 SLOPE = math.atan(1 / 2.5)
 ABOVE = 0.15  # m, of the velocity sensor over the face

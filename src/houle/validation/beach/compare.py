@@ -12,7 +12,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest, read_points, rms
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 RECORD = read_points(Path(__file__).parent / "data" / "heights.csv")
 BREAKING = int(np.argmax(RECORD["height_m"]))  # the gauge with the largest height

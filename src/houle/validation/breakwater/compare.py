@@ -13,7 +13,7 @@ from houle.validation.check import Check, report
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 HEIGHT = 10.0  # %: of some 50 waves; 8 seeds at the gauges scatter by 3 % (of 22 waves: by 8 %)
 MADE = 5.0  # %, off the same sea by theory in the same window

@@ -11,7 +11,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import volume_checks
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 PLACES = np.array([0.15, 0.35, 0.445])
 

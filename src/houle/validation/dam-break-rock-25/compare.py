@@ -11,7 +11,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import at_time, volume_checks
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 INSTANTS = np.round(np.arange(0.0, 2.21, 0.2), 1)
 PLACES = np.array([0.15, 0.445, 0.75])

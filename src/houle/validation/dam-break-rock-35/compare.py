@@ -15,7 +15,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import grid_convergence_index, noise, rms, volume_checks, water_left_of
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 POINTS = laboratory.read(Path(__file__).parent / "data" / "surface.csv")
 INSTANT, LIFTED = 10.8, 10.0  # mm, targets without and with the gate as a plate

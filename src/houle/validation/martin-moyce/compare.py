@@ -12,7 +12,7 @@ from houle.validation.check import Check, report
 from houle.validation.measure import front_position, read_points, volume_checks
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 DATA = Path(__file__).parent / "data"
 POINTS, TABLE = read_points(DATA / "front.csv"), read_points(DATA / "table2.csv")

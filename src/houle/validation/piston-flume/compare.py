@@ -13,7 +13,7 @@ from houle.validation.measure import largest
 from houle.validation.waves import card, second_harmonic
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 HEIGHT, SPURIOUS, CELERITY = 2.0, 2.0, 0.5  # %
 FREE, LEVEL = 2.0, 0.1  # % of H, mm

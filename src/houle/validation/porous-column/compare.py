@@ -13,7 +13,7 @@ from houle.validation.measure import largest, lowest_water, rms
 from houle.validation.media import bed_top, medium
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 RMS, WORST = 0.5, 2.0  # mm, at a spacing of 5 mm and the step of the case
 BED = {"name": "bed", "porosity": 0.49, "grain_diameter": 0.0159, "added_mass": 0.34}

@@ -8,7 +8,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 LATE = 4.0  # s at the end, over which is averaged
 DISCHARGE, LEVEL = 2.0, 1.0  # %, mm

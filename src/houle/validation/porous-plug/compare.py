@@ -12,7 +12,7 @@ from houle.validation.measure import largest, line_at
 from houle.validation.media import medium
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 ROCK = {
     "porous.plug.grain_diameter": 0.0159,

@@ -14,7 +14,7 @@ from houle.validation.measure import largest, observed_order, volume_checks
 from houle.validation.media import medium
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 BEADS = {
     "porous.rock.porosity": 0.39,

@@ -10,7 +10,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 VARIANTS = (Variant("", quick=False), Variant("dx-10-mm", {"domain.spacing": 0.01}))
 

@@ -12,7 +12,7 @@ from houle.validation.measure import largest
 from houle.waves.cnoidal import solitary
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 CREST, CELERITY, RUN_UP = 1.0, 0.2, 2.0  # %
 VARIANTS = (

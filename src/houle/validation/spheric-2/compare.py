@@ -13,7 +13,7 @@ from houle.validation.check import Check, Variant, report
 from houle.validation.measure import read_points, rms, volume_checks
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 RECORD = read_points(Path(__file__).parent / "data" / "record.csv")
 ARRIVAL, PEAK = 0.393, 11239.0  # s, Pa: P1 passes 500 Pa, and its largest value, in the full 1 ms record

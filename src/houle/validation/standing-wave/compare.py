@@ -23,7 +23,7 @@ from houle.validation.measure import (
 )
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 GROWTH = 1.002
 SHORT = {"time.end": 2.8, "time.step": 0.001}  # two periods, a step so short that the spacing decides

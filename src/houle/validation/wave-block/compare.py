@@ -14,7 +14,7 @@ from houle.validation.flume import block, linear
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 LINEAR, QUADRATIC = 0.02, 0.05  # absolute, of C_R and C_T: linear drag, Darcy-Forchheimer drag made linear
 SMALL = 0.005  # m, height of the waves of the table

@@ -13,7 +13,7 @@ from houle.validation.measure import largest
 from houle.waves import dispersion
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 PERIODS = 4  # measured
 LENGTH, HEIGHT, CURRENT = 1.0, 3.0, 2.0  # %

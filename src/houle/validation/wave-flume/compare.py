@@ -15,7 +15,7 @@ from houle.validation.measure import largest
 from houle.validation.waves import card, second_harmonic, window
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
     from houle.waves.wave import Wave
 
 HEIGHT, SIDES, SPURIOUS = 2.0, 1.0, 2.0  # %

@@ -13,7 +13,7 @@ from houle.validation.flume import block
 from houle.validation.measure import largest
 
 if TYPE_CHECKING:
-    from houle.running.runner import Run
+    from houle.results.run import Run
 
 UPRIGHT, STEEP = "upright", "80-mm"
 BODY = load("wave-slope").porous[0].model_dump(include={"porosity", "grain_diameter", "added_mass", "resistance"})

@@ -1,10 +1,10 @@
-"""A case looked at as a drawing: its shapes as polygons in the (x, z) section, and what is found about them."""
+"""A case looked at as a drawing: its shapes as polygons in the (x, z) section of the tank."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, sqrt
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import shapely
@@ -17,21 +17,6 @@ from houle.medium import sections, shapes
 from houle.medium.thin_solids import solid_windows
 
 COLUMNS = 500  # looked at for the levels of the water
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One thing found in a case: how bad it is, the key it is about, and what is said of it.
-
-    The text quotes the two numbers compared and the cure. It follows the key, or begins with a colon.
-    """
-
-    level: Literal["error", "warning", "info"]
-    key: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.key}{'' if self.text.startswith(':') else ' '}{self.text}"
 
 
 @dataclass(frozen=True)

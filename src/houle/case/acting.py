@@ -1,0 +1,112 @@
+"""What acts on the water of a case along x: makers and where they act, sponges, moving walls and how far they go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+from houle.boundary.internal_source import ACTS
+from houle.case.build import law_of_piston, source_of
+from houle.case.messages import place
+from houle.case.model import Case
+from houle.case.section import CrossSection
+from houle.case.tables.waves import Piston, Zone
+from houle.waves.wave import Wave
+
+NEARBY = 3.0  # depths in front of a piston where the water is to be even
+GIVES = 0.5  # of the way that a wave itself moves the water: an absorbing piston is taken to need this and more
+
+Reach = tuple[float, float]
+
+
+def reach(case: Case, wave: Wave) -> Reach:
+    """Where the maker acts, from and to [m]."""
+    assert case.waves is not None
+    maker = case.waves.maker
+    if isinstance(maker, Zone):
+        return maker.x
+    if isinstance(maker, Piston):
+        return maker.x, maker.x + NEARBY * wave.depth
+    half = ACTS * source_of(case.waves, wave).width
+    return maker.x - half, maker.x + half
+
+
+@dataclass(frozen=True)
+class MovingWall:
+    """key in the case file, place at rest [m], side of the water, furthest way to the left and the right [m]."""
+
+    key: str
+    rest: float
+    water: int
+    way: tuple[float, float]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Between which it moves [m]."""
+        return self.rest + self.way[0], self.rest + self.way[1]
+
+
+def moving_walls(case: Case, wave: Wave | None, depth: float) -> list[MovingWall]:
+    """Those of a case; depth: of still water [m]. Raises CaseError for waves that a piston cannot make."""
+    found = []
+    if case.waves is not None and case.waves.piston is not None and wave is not None:
+        law, _, rest = law_of_piston(case, wave)
+        low, high = law.reach
+        more = GIVES * (high - low) / 2 if case.waves.piston.absorb else 0.0
+        found.append(MovingWall("waves.piston", rest, 1, (low - more, high + more)))
+    for i, table in enumerate(case.absorber):
+        water = 1 if table.side == "left" else -1
+        to, fro = _yields(wave, depth)
+        way = (-to, fro) if water > 0 else (-fro, to)
+        found.append(
+            MovingWall(place(("absorber", i), case.__dict__), case.domain.grid.nearest_face(table.x), water, way)
+        )
+    return found
+
+
+def _yields(wave: Wave | None, depth: float) -> tuple[float, float]:
+    """How far a wall that absorbs gives way and comes forward [m]: with the wave; a single one pushes it on."""
+    if wave is None:
+        return 0.1 * depth, 0.1 * depth
+    if wave.components() is None:
+        return 2 * wave.height / depth * sqrt(4 * depth**3 / (3 * wave.height)), 0.1 * depth
+    swing = wave.crest / (wave.k * depth) if wave.k * depth < 1 else wave.crest
+    return 1.5 * swing, 1.5 * swing
+
+
+@dataclass(frozen=True)
+class Band:
+    """Something that acts on the water between two places x [m]: its name, and the hatch that pictures show it by."""
+
+    low: float
+    high: float
+    words: str
+    hatch: str
+
+
+def acting(s: CrossSection, y: float) -> list[Band]:
+    """What acts on the water of a case along x: relaxation zone or source, sponges, moving walls with their reach.
+
+    In 3D those that reach over y [m].
+    """
+    case = s.case
+    found = [
+        Band(low[0], high[0], sponge.name, "//")
+        for sponge in case.sponge
+        for low, high in (sponge.box,)
+        if len(low) == 2 or low[1] <= y <= high[1]
+    ]
+    wave = case.wave
+    found += [Band(*wall.span, wall.key.rpartition(".")[2], "|||") for wall in moving_walls(case, wave, s.depth())]
+    if case.waves is not None and case.waves.piston is None and wave is not None:
+        words, hatch = ("source", "") if case.waves.source is not None else ("zone", "\\\\")
+        found.append(Band(*reach(case, wave), f"{words}, {case.waves.kind}", hatch))
+    return found
+
+
+def walls_at_rest(case: Case) -> dict[str, float]:
+    """Where the moving walls of a case stand at rest [m], by the end of the water that each closes."""
+    found: dict[str, float] = {a.side: case.domain.grid.nearest_face(a.x) for a in case.absorber}
+    if case.waves is not None and case.waves.piston is not None:
+        found["left"] = case.domain.grid.nearest_face(case.waves.piston.x)
+    return found
