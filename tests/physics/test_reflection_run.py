@@ -50,16 +50,16 @@ def test_a_window_after_the_end_is_warned_of():
 
 
 def test_twin_has_no_block_and_is_shared_by_all_blocks():
-    one = wave_quality.twin_of(load("wave-block"))
-    other = wave_quality.twin_of(load("wave-block", {"porous.block.porosity": 0.6, "time.end": 15.0}))
+    one = wave_quality.empty_flume(load("wave-block"))
+    other = wave_quality.empty_flume(load("wave-block", {"porous.block.porosity": 0.6, "time.end": 15.0}))
     assert not one.porous and one.sponge[-1].box[0][0] > 5.9 and one.hash == other.hash
-    assert one.hash != wave_quality.twin_of(load("wave-block", {"waves.height": 0.03})).hash
+    assert one.hash != wave_quality.empty_flume(load("wave-block", {"waves.height": 0.03})).hash
 
 
 def test_card_is_computed_once(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     case = load("wave-block")
-    kept = wave_quality.folder() / f"{wave_quality.twin_of(case).hash}-{wave_quality._version()}.json"
+    kept = wave_quality.folder() / f"{wave_quality.empty_flume(case).hash}-{wave_quality._version()}.json"
     kept.parent.mkdir(parents=True)
     kept.write_text(json.dumps({"height": 0.02}))
     assert wave_quality.card(case, Silent()) == {"height": 0.02, "kept": str(kept)}

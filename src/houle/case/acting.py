@@ -1,4 +1,4 @@
-"""What acts on the water of a case along x: makers and where they act, sponges, moving walls and how far they go."""
+"""Bands of the flume where a case acts on the water: makers of waves, sponges, moving walls and their reach."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Reach = tuple[float, float]
 
 
 def reach(case: Case, wave: Wave) -> Reach:
-    """Where the maker acts, from and to [m]."""
+    """Left and right end of the water that the maker of waves acts on [m]."""
     assert case.waves is not None
     maker = case.waves.maker
     if isinstance(maker, Zone):
@@ -33,7 +33,11 @@ def reach(case: Case, wave: Wave) -> Reach:
 
 @dataclass(frozen=True)
 class MovingWall:
-    """key in the case file, place at rest [m], side of the water, furthest way to the left and the right [m]."""
+    """A piston or absorbing wall: its key in the case file, and the space that it needs along x.
+
+    rest is its place at rest [m], water the side of the water (1 right, -1 left), way how far it goes to the left
+    and to the right [m].
+    """
 
     key: str
     rest: float
@@ -42,12 +46,15 @@ class MovingWall:
 
     @property
     def span(self) -> tuple[float, float]:
-        """Between which it moves [m]."""
+        """Leftmost and rightmost place of the wall [m]."""
         return self.rest + self.way[0], self.rest + self.way[1]
 
 
 def moving_walls(case: Case, wave: Wave | None, depth: float) -> list[MovingWall]:
-    """Those of a case; depth: of still water [m]. Raises CaseError for waves that a piston cannot make."""
+    """The pistons and absorbing walls of a case in still water of this depth [m].
+
+    Raises CaseError for waves that a piston cannot make.
+    """
     found = []
     if case.waves is not None and case.waves.piston is not None and wave is not None:
         law, _, rest = law_of_piston(case, wave)
@@ -65,7 +72,7 @@ def moving_walls(case: Case, wave: Wave | None, depth: float) -> list[MovingWall
 
 
 def _yields(wave: Wave | None, depth: float) -> tuple[float, float]:
-    """How far a wall that absorbs gives way and comes forward [m]: with the wave; a single one pushes it on."""
+    """Distances by which an absorbing wall gives way and comes forward [m]; a single wave pushes it on."""
     if wave is None:
         return 0.1 * depth, 0.1 * depth
     if wave.components() is None:
@@ -85,9 +92,9 @@ class Band:
 
 
 def acting(s: CrossSection, y: float) -> list[Band]:
-    """What acts on the water of a case along x: relaxation zone or source, sponges, moving walls with their reach.
+    """Bands along x where a case acts on the water: relaxation zone or source, sponges, reach of moving walls.
 
-    In 3D those that reach over y [m].
+    In 3D the sponges that reach over this y [m] count.
     """
     case = s.case
     found = [
@@ -105,7 +112,7 @@ def acting(s: CrossSection, y: float) -> list[Band]:
 
 
 def walls_at_rest(case: Case) -> dict[str, float]:
-    """Where the moving walls of a case stand at rest [m], by the end of the water that each closes."""
+    """Places of the moving walls of a case at rest [m], by the end of the water that each closes."""
     found: dict[str, float] = {a.side: case.domain.grid.nearest_face(a.x) for a in case.absorber}
     if case.waves is not None and case.waves.piston is not None:
         found["left"] = case.domain.grid.nearest_face(case.waves.piston.x)

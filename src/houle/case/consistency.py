@@ -1,4 +1,4 @@
-"""Whether the tables of a case file agree with each other: dimensions, names, and what one says of another."""
+"""Consistency of the tables of a case file with each other: dimensions, names, and tables that need others."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def disagreements(case: Case) -> list[str]:
 
 
 def _unknown_bodies(case: Case) -> list[str]:
-    """What is wrong with the names of bodies whose force or phreatic line is asked for."""
+    """Messages on names of bodies whose force or phreatic line is asked for."""
     porous, solid = [b.name for b in case.porous], [b.name for b in case.solid]
     wanted = [("force", i, f.body, porous + solid) for i, f in enumerate(case.force) if f.body is not None]
     wanted += [("phreatic", i, p.body, porous) for i, p in enumerate(case.phreatic)]
@@ -89,7 +89,7 @@ def _unknown_bodies(case: Case) -> list[str]:
 
 
 def _reflection_fits(case: Case) -> list[str]:
-    """What is wrong between [reflection] and the rest."""
+    """Messages on [reflection] against waves, gauges and the tank."""
     asked = case.reflection
     if asked is None:
         return []

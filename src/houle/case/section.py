@@ -29,7 +29,7 @@ class Entry:
 
     @property
     def free(self) -> bool:
-        """Whether it is a level, which fills what is open below it; a box or a polygon means exactly itself."""
+        """True for a level, which fills what is open below it; a box or a polygon means exactly itself."""
         return self.row.below is not None
 
 

@@ -1,4 +1,4 @@
-"""What stands at the ends of the water and moves or lets it through: gates, open sides, pistons, absorbing walls.
+"""Checks of the boundaries that move or let water through: gates, open sides, pistons, absorbing walls.
 
 `gates_fit`, `open_sides_fit` and `moving_walls_fit` are three of the checks of `rules.py`.
 """
@@ -72,7 +72,7 @@ def open_sides_fit(s: CrossSection) -> Iterator[Finding]:
 
 
 def water_beside(s: CrossSection, table: Open) -> tuple[float, float]:
-    """Depth of the water at the side at the start, and its level [m]; the least over the width."""
+    """Depth and level of the water at an open side at the start [m]; the least over the width."""
     h, size = s.grid.spacing[0], s.case.domain.size[0]
     x = np.array([h / 2 if table.side == "left" else size - h / 2])
     depth, level = s.standing(x)
@@ -327,7 +327,7 @@ def _clear(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
 
 
 def _seen(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
-    """What is observed stands in the water at all times."""
+    """Gauges, sensors and forces are in the water in front of a moving wall at all times."""
     low, high = wall.span
     places = [("gauge", i, g.x) for i, g in enumerate(s.case.gauge)]
     places += [("sensor", i, p.at[0]) for i, p in enumerate(s.case.sensor)]

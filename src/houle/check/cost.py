@@ -23,7 +23,7 @@ MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle 
 
 @dataclass(frozen=True)
 class Price:
-    """What a run will cost: a guess, good to a factor of two or three."""
+    """Cost of a run: a guess, good to a factor of two or three."""
 
     cells: int
     particles: int

@@ -1,4 +1,4 @@
-"""When the gauges of a case read steady waves: incident and reflected ones, and nothing else."""
+"""The time window in which gauges read steady waves: incident and reflected ones, and nothing else."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SETTLE = 2.0  # periods after the front
 
 @dataclass(frozen=True)
 class Flume:
-    """What stands along x, seen from the maker to the right [m]."""
+    """Places along the flume, from the maker to the right [m]."""
 
     maker: float
     gauges: list[float]
@@ -48,7 +48,7 @@ class Flume:
 
 
 def steady(case: Case) -> Finding | None:
-    """When the gauges to the right of the maker read incident and reflected waves and nothing else, or why never.
+    """The window in which gauges right of the maker read incident and reflected waves alone, or why there is none.
 
     None without gauges, and for waves that pass once.
     """

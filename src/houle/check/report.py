@@ -103,7 +103,7 @@ def _drag(p: DragSheet) -> Table:
 
 
 def _to_and_fro(p: DragSheet) -> str:
-    """What the Keulegan-Carpenter number does to the drag, at the expected velocity."""
+    """Effect of the Keulegan-Carpenter number on the drag, at the expected velocity, in words."""
     if p.period == inf:
         return "steady flow, KC infinite: no waves, or a single one; period = ... in resistance changes it"
     assert p.period is not None and p.grain_diameter is not None
@@ -140,7 +140,7 @@ def wave_rows(case: Case) -> list[tuple[str, str]]:
 
 
 def _current(speed: float, wave: Wave) -> str:
-    """What the current does to a wave with a period."""
+    """Effect of a current [m/s] on the period and length of the wave, in words."""
     own = wave.celerity - speed
     words = f"{speed:g} m/s; crests run at {own:.4g} m/s in the water, {wave.celerity:.4g} m/s seen from the bed"
     if wave.name.startswith("solitary"):
@@ -188,7 +188,7 @@ def _piston(case: Case, wave: Wave) -> str:
 
 
 def _back(read: Reading, period: float) -> str:
-    """Linear theory of what an absorbing wall sends back of some waves."""
+    """Share of some waves that an absorbing wall sends back by linear theory, in words."""
     shares = [f"{100 * read.comes_back(2 * pi / t):.2g} % at T = {t:.3g} s" for t in (period / 2, period, 2 * period)]
     return f"sends back {', '.join(shares)}"
 
@@ -206,7 +206,7 @@ def absorber_rows(case: Case) -> list[tuple[str, str]]:
 
 
 def _tuned(read: Reading, wave: Wave | None, period: float | None) -> float:
-    """The period to tell about [s]."""
+    """Period at which an absorbing wall is described [s]: its own, that of the waves, or the one it is tuned to."""
     return period or (wave.period if wave is not None else 2 * pi / read.omega)
 
 

@@ -112,7 +112,7 @@ def water_is_somewhere(s: CrossSection) -> Iterator[Finding]:
 
 
 def bodies_agree(s: CrossSection) -> Iterator[Finding]:
-    """Where two porous bodies overlap they must be the same material; a solid wins over a porous body."""
+    """Porous bodies that overlap are of the same material; a solid wins over a porous body."""
     for i, one in enumerate(s.porous):
         for other in s.porous[:i]:
             common, (x0, z0, x1, z1) = s.overlap([one], [other])
@@ -170,7 +170,7 @@ def grid_resolves(s: CrossSection) -> Iterator[Finding]:
 
 
 def thin_solids(s: CrossSection) -> Iterator[Finding]:
-    """What counts as solid around thin ones leaves water, and closes no passage."""
+    """The windows that count as solid around thin solids leave water, and close no passage."""
     windows = s.windows
     if not windows:
         return
@@ -324,7 +324,7 @@ def materials(s: CrossSection) -> Iterator[Finding]:
 
 
 def remeshing(s: CrossSection) -> Iterator[Finding]:
-    """What the paper's remeshing costs."""
+    """The paper's remeshing, which adds water, does not come too often."""
     n = s.case.numerics
     if n.remesh == "paper" and n.remesh_every < SELDOM:
         text = (

@@ -1,4 +1,4 @@
-"""Pre-flight of [waves] and [[sponge]]: can theory and grid carry the wave, does the maker stand in the right water.
+"""Checks of [waves] and [[sponge]]: can theory and grid carry the wave, does the maker stand in the right water.
 
 `waves_fit` and `sponges_fit` are two of the checks of `rules.py`; what is printed about a sound wave is in
 `report.py`.
@@ -304,7 +304,7 @@ def _porous_in(s: CrossSection, window: shapely.Geometry, span: Reach = (-inf, i
 
 
 def _layers(s: CrossSection, span: Reach) -> list[shapes.Span]:
-    """Those whose middle lies in a span of y [m]; the one of 2D always."""
+    """Layers whose middle lies in a span of y [m]; the one layer of 2D always."""
     return [y for y in s.layers if s.case.dimension == 2 or span[0] <= (y[0] + y[1]) / 2 <= span[1]]
 
 

@@ -1,4 +1,4 @@
-"""How many rows of cells a run keeps: those that the water can be in soon, not the dry air up to the top of the domain.
+"""Rows of cells that a run keeps: those that water can soon be in, without the dry air up to the top of the tank.
 
 A run starts with the rows up to the highest thing that the case places, and `MARGIN`. Before the water comes within
 `HEADROOM` of the uppermost row there are more of them: the flow is built anew on the higher grid and goes on from its

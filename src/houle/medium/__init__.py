@@ -1,1 +1,1 @@
-"""What the water flows through: shapes, their exact integrals on the grid, porosity, solids, resistance."""
+"""The medium the water flows through: shapes, sections, exact integrals, porosity, solids, columns, resistance."""

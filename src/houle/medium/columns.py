@@ -1,4 +1,7 @@
-"""What columns of cells hold up to any level: exact, for the columns where porosity changes or solids stand.
+"""Storage of water in columns of cells up to any level.
+
+`Capacity` is exact, for the columns where the porosity changes or solids stand, and gives levels from water. `Storage`
+has all columns, cell by cell, and gives mean level and potential energy; in columns of one porosity it is exact too.
 
 The water of a column is W = sum_p V_p T(x_p - x_c), with the tent T across (linear, two cells wide, folded at walls).
 Particles at the centroids of the water of their half cells give it exactly, as T is linear over each half cell. What
@@ -53,7 +56,7 @@ class Capacity:
 
     @classmethod
     def _joined(cls, pieces: dict[int, FloatArray]) -> Capacity:
-        """From the pieces (P, 5) of each column."""
+        """The capacity with these pieces (P, 5) for each column."""
         lengths = [len(p) for p in pieces.values()]
         return cls(
             fixed(np.array(list(pieces), np.int64)),
@@ -62,7 +65,7 @@ class Capacity:
         )
 
     def between_gates(self, grid: Grid, medium: Medium, gates: FloatArray) -> Capacity:
-        """The same where gates (K, 2) stand, x [m] and lower edge [m]: the tents beside them are folded there."""
+        """The capacity where gates (K, 2) stand, x [m] and lower edge [m]: tents beside them are folded at the gate."""
         faces = {round(x / grid.spacing[0]) for x, _ in gates}
         pieces = _columns(grid, medium, sorted(faces | {face - 1 for face in faces}), gates)
         if not pieces:
@@ -73,7 +76,7 @@ class Capacity:
 
 @dataclass(frozen=True)
 class Storage:
-    """What each column of cells stores up to a level, by the mean open porosity of its cells: water and its height.
+    """Water and its height that each column stores up to a level, by the mean open porosity of its cells.
 
     Both are exact up to the faces of cells, and between them where the porosity of the cell is one. Inside a cell that
     an interface crosses they are linear, and `Capacity` is exact.
@@ -146,7 +149,7 @@ class _Tent:
         return cls(np.array([c, c - count, c + count] if periodic else [c, -c, 2 * count - c]))
 
     def between(self, faces: Sequence[int]) -> _Tent:
-        """The same between gates on faces at its sides."""
+        """The tent cut and folded at gates on faces at its sides."""
         c = self.centres[0]
         low = max((float(f) for f in faces if f < c), default=-math.inf)
         high = min((float(f) for f in faces if f > c), default=math.inf)
@@ -154,7 +157,7 @@ class _Tent:
         return _Tent(np.concatenate([self.centres, images]), low, high)
 
     def below(self, x: FloatArray) -> FloatArray:
-        """Its integral from far below up to x [cells]."""
+        """Integral of the tent from far below up to x [cells]."""
         whole = self._whole(np.clip(x, self.low, self.high))
         return whole - self._whole(np.array(self.low)) if math.isfinite(self.low) else whole
 
@@ -168,7 +171,7 @@ class _Tent:
         return np.unique(np.append(self.centres[:, None] + [-1.0, 0.0, 1.0], gates))
 
     def touches(self, edge: FloatArray) -> NDArray[np.bool_]:
-        """Which of the edges (E, 2, 2) reach into it."""
+        """True for the edges (E, 2, 2) that reach into the tent."""
         low, high = edge[:, :, 0].min(axis=1), edge[:, :, 0].max(axis=1)
         return np.any((low[:, None] <= self.centres + 1) & (high[:, None] >= self.centres - 1), axis=1)
 
@@ -192,7 +195,7 @@ def _columns(grid: Grid, medium: Medium, among: Iterable[int], gates: Iterable[F
 
 
 def _tents(grid: Grid, i: int, gates: Iterable[FloatArray]) -> Tents:
-    """From which height on [cells], and the tent of column i from there: gates fold what reaches above their edges."""
+    """Tents of column i, each with the height from which on it holds [cells]: gates fold it above their lower edges."""
     plain, up = _Tent.of(i, grid.shape[0], grid.periodic[0]), grid.spacing[-1]
     beside = sorted((max(0.0, bottom / up - 0.5), round(x / grid.spacing[0])) for x, bottom in gates)
     beside = [(bottom, face) for bottom, face in beside if face in (i, i + 1)]
@@ -201,7 +204,7 @@ def _tents(grid: Grid, i: int, gates: Iterable[FloatArray]) -> Tents:
 
 
 def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
-    """Whether a column and those within REACH of it hold one porosity throughout and no solid, grid.shape[:-1]."""
+    """Columns, grid.shape[:-1], that hold one porosity throughout and no solid, and so do all within REACH of them."""
     low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
     low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
     for a in range(grid.dimension - 1):
@@ -214,7 +217,7 @@ def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
 
 
 def _layers(grid: Grid, medium: Medium) -> list[tuple[tuple[float, float], list[Region]]]:
-    """Spans of y [m], and what stands in their sections."""
+    """Layers in y as spans [m], each with the regions that stand in its section."""
     half = (grid.spacing[0] / 2, grid.spacing[-1] / 2)  # the lattice of the seeds, to round as they do
     gains = [-1.0, *(body.porosity - 1.0 for body in medium.bodies)]
     return [

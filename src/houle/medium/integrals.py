@@ -161,7 +161,7 @@ class Measure:
     def of(
         cls, grid: Grid, areas: Sequence[tuple[Span, shapely.Geometry]], columns: tuple[int, int] | None = None
     ) -> Measure:
-        """From the sections (in the domain) and the spans of y over which they reach."""
+        """The measure of a region given by its sections in the tank, each over a span of y [m]."""
         half = [h / 2 for h in grid.spacing]
         shape = (2 * grid.shape[0], 2 * grid.shape[-1])
         return cls(
@@ -211,7 +211,7 @@ def covered_lines(area: shapely.Geometry, spacing: Sequence[float], shape: tuple
 
 
 def _covered_beside(outline: FloatArray, shape: tuple[int, int], left: bool) -> FloatArray:
-    """`covered_lines` just to the left or just to the right of each line."""
+    """Covered fraction of `covered_lines`, just to the left or just to the right of each line."""
     covered = np.zeros((shape[0] + 1, shape[1]))
     full = np.zeros_like(covered)
     for start, end in outline:

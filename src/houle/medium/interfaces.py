@@ -1,4 +1,4 @@
-"""Where media meet, for the transfers between particles and grid: along an interface velocities are not continuous.
+"""Interfaces between media, for the transfers between particles and grid: velocities are not continuous along them.
 
 Media are told apart by what they do to the water: porosity, inertia and resistance. Bodies that share these are one
 medium, and a body that does nothing is clear water. A cell near an interface knows it as a plane: the edge of the
@@ -53,7 +53,7 @@ class Interfaces(NamedTuple):
     ) -> Interfaces | None:
         """The interfaces between these bodies; None where the tank holds one medium. body: `Medium.body`."""
         media, _ = number_media(bodies)
-        sections = [_Section.of(grid, part, media) for part in parts]
+        sections = [_LayerMedia.of(grid, part, media) for part in parts]
         near = _near(grid, np.array([0, *media, SOLID], np.int8)[body]) if media.any() else np.zeros(grid.shape, bool)
         cell = np.argwhere(near)
         planes = _planes(grid, sections, (cell + 0.5) * np.array(grid.spacing))
@@ -71,8 +71,9 @@ class Interfaces(NamedTuple):
 
     @classmethod
     def with_gates(cls, grid: Grid, gates: FloatArray, media: Interfaces | None) -> Interfaces | None:
-        """With the parts of gates that are shut, which hide interfaces in the cells beside them. gates (K, 2): x of the
-        face and height of the lower edge [m]. In the cells of both sides each side has its own velocity.
+        """The interfaces with shut gates, each side of which has its own velocity in the cells beside them.
+
+        A gate hides the interfaces in those cells. gates (K, 2) holds x of the face and height of the lower edge [m].
         """
         d, h = grid.dimension, grid.spacing
         if media is None:
@@ -103,7 +104,7 @@ def number_media(bodies: Sequence[PorousBody]) -> tuple[NDArray[np.int8], list[K
     return np.array([media.index(kind) for kind in kinds], np.int8), media
 
 
-class _Section(NamedTuple):
+class _LayerMedia(NamedTuple):
     """The section of one layer in y: areas of its media, those that resist less first, and the edges between them."""
 
     span: Span
@@ -112,7 +113,7 @@ class _Section(NamedTuple):
     edge: FloatArray  # (E, 2, 2) ends [m]
 
     @classmethod
-    def of(cls, grid: Grid, part: Layer, media: NDArray[np.int8]) -> _Section:
+    def of(cls, grid: Grid, part: Layer, media: NDArray[np.int8]) -> _LayerMedia:
         span, solid, bodies = part
         areas = []
         for medium in np.unique(media[media > 0]):
@@ -202,7 +203,7 @@ def _several_seen(grid: Grid, medium: list[NDArray[np.int8]]) -> NDArray[np.bool
     return found
 
 
-def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> FloatArray:
+def _planes(grid: Grid, sections: Sequence[_LayerMedia], centre: FloatArray) -> FloatArray:
     """The interfaces nearest to points (N, d), as in `Interfaces.planes`; the media are equal where there is none."""
     d, aside = grid.dimension, ASIDE * min(grid.spacing)
     planes = np.zeros((len(centre), d + 3))
@@ -229,8 +230,8 @@ def _planes(grid: Grid, sections: Sequence[_Section], centre: FloatArray) -> Flo
     return planes
 
 
-def _on_faces(grid: Grid, sections: Sequence[_Section], axis: int) -> NDArray[np.int8]:
-    """The medium at the centre of each face of one axis, as in `Interfaces.medium`."""
+def _on_faces(grid: Grid, sections: Sequence[_LayerMedia], axis: int) -> NDArray[np.int8]:
+    """Number of the medium at the centre of each face of one axis, as in `Interfaces.medium`."""
     centre = grid.points(axis).reshape(-1, grid.dimension)
     return _medium_at(grid, sections, centre).reshape(grid.face_shape(axis))
 
@@ -269,7 +270,7 @@ def stand_along(
         return material, materials, []
     media, kinds = number_media(bodies)
     pure = np.array([[inertia / n, a, b] for a, b, n, inertia, _ in kinds])
-    sections = [_Section.of(grid, part, media) for part in parts]
+    sections = [_LayerMedia.of(grid, part, media) for part in parts]
     numbers, shared = [], []
     for axis, number in enumerate(material):
         several = ~np.any(np.all(materials[:, None] == pure, axis=2), axis=1)[number]  # media in the box of the face
@@ -294,7 +295,7 @@ def stand_along(
 
 
 def _repeated_at_end(grid: Grid, axis: int, shared: Shared) -> Shared:
-    """The same with the last faces of a periodic axis, which are its first."""
+    """Shared faces with those at the far end of a periodic axis, which are its first ones again."""
     shape = grid.face_shape(axis)
     first = np.unravel_index(shared.face, shape)[axis] == 0
     way = grid.shape[axis] * int(np.prod(shape[axis + 1 :]))
@@ -309,7 +310,7 @@ def _shared(
     grid: Grid, axis: int, index: NDArray[np.int64], centre: FloatArray, planes: FloatArray, medium: NDArray[np.int8],
     media: NDArray[np.int8], pure: FloatArray, mean: FloatArray,
 ) -> Shared:  # fmt: skip
-    """Those of M faces that two media share: not at the corner of a body, nor where the face beside is in a third.
+    """Shared faces among M of one axis, without corners of bodies and faces beside a third medium.
 
     index, centre  (M, d) of the faces, [-] and [m]    planes  (M, d + 3) the interface nearest to each
     medium, media  at their centres (M,), and at those of all faces of the axis
@@ -343,7 +344,7 @@ def _shared(
     return Shared(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
-def _medium_at(grid: Grid, sections: Sequence[_Section], point: FloatArray) -> NDArray[np.int8]:
+def _medium_at(grid: Grid, sections: Sequence[_LayerMedia], point: FloatArray) -> NDArray[np.int8]:
     """The medium at points (N, d) in the tank; between layers in y the one that resists less."""
     found = np.full(len(point), SOLID, np.int8).view(np.uint8)  # in which a solid is the largest
     for section in sections:

@@ -35,7 +35,7 @@ OBLIQUE = 1e12  # `contrast` at oblique interfaces: more than the Bernoulli forc
 
 @dataclass(frozen=True)
 class Medium:
-    """What the water moves through, at rest on the grid. Averages are over the open (not solid) part of the space.
+    """The medium on the grid, at rest. Averages are over the open (not solid) part of the space.
 
     kind           cells  number of a column of each of `kinds` (int32): most cells lie in one body, or in clear water
     kinds          name -> values (K,) of
@@ -149,12 +149,12 @@ class Medium:
         )
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:
-        """One of `kinds` as the core takes it."""
+        """One of `kinds` as the core takes it: the number of each cell, and the values by number."""
         return self.kind, self.kinds[name]
 
     @property
     def porosity(self) -> FloatArray:
-        """Mean porosity of the cells; a new array, like the fields below."""
+        """Mean porosity of the cells [-]; a new array, like the fields below."""
         return self.kinds["porosity"][self.kind]
 
     @property
@@ -175,11 +175,11 @@ class Medium:
 
     @property
     def at_interface(self) -> NDArray[np.bool_]:
-        """Cells with another K / n^2 up to two cells away along each axis."""
+        """Cells (grid.shape) that have another K / n^2 up to two cells away along each axis."""
         return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > 1.0
 
     def on_faces(self, column: int) -> Faces:
-        """One column of `materials` as arrays: 0 inertia, 1 and 2 the two resistances."""
+        """Face fields of one column of `materials`: 0 inertia C_r / n, 1 and 2 the resistances a [1/s], b [1/m]."""
         if not self.material:
             return self.grid.faces(self.materials[0, column])
         return [self.materials[number, column] for number in self.material]
@@ -203,7 +203,7 @@ class _Mean:
 def _list_materials(
     grid: Grid, bodies: Sequence[PorousBody], solid: Measure, inside: Sequence[Measure]
 ) -> tuple[list[NDArray[np.int32]], FloatArray]:
-    """`Medium.material` and `Medium.materials`."""
+    """Tables `Medium.material` and `Medium.materials` of these bodies."""
     if not bodies:
         return [], np.array([[1.0, 0.0, 0.0]])
     values = [

@@ -18,8 +18,9 @@ STEPS, FARTHEST = 16, 48  # steps in a cell and in all, in which a way out of th
 
 
 def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> FloatArray:
-    """Where to look for the water beside points (N, d) [m] on or beside a thin solid: those that lie in a window which
-    it parts, moved out of that, away from the solid as it is drawn.
+    """Places (N, d) [m] at which points on or beside a thin solid find their water.
+
+    Points in a window that the solid parts are moved out of it, away from the solid as it is drawn; others stay.
     """
     found, spacing = points.copy(), min(grid.spacing)
     for solid in solids:
@@ -35,7 +36,7 @@ def on_their_side(grid: Grid, solids: Sequence[Shape], points: FloatArray) -> Fl
 
 
 def behind_plates(grid: Grid, solids: Sequence[Shape], points: FloatArray, others: FloatArray) -> NDArray[np.bool_]:
-    """Which of the other points (N, K, d) [m] a solid hides from the points (N, d), where both lie outside it.
+    """True (N, K) where a solid hides the other points (N, K, d) [m] from the points (N, d); both lie outside it.
 
     Along periodic axes the nearest copy of the other point is looked at.
     """
@@ -49,7 +50,7 @@ def behind_plates(grid: Grid, solids: Sequence[Shape], points: FloatArray, other
 
 
 def _between(grid: Grid, solids: Sequence[Shape], start: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
-    """Whether a solid lies between two points (N, K, d) [m] that lie outside it."""
+    """True (N, K) where a solid lies between two points (N, K, d) [m] outside it."""
     hidden = np.zeros(start.shape[:2], bool)
     if not solids or not start.size:
         return hidden
@@ -68,8 +69,9 @@ def _between(grid: Grid, solids: Sequence[Shape], start: FloatArray, end: FloatA
 
 
 def _away(grid: Grid, shape: Shape, points: FloatArray, step: float) -> FloatArray:
-    """The way out of a shape, or away from it and its copies along periodic axes, (N, d), of length 1: the gradient of
-    the signed distance.
+    """Unit vectors (N, d) that lead out of a shape, or away from it: the gradient of the signed distance.
+
+    Copies of the shape along periodic axes count.
     """
     by = [(-size, 0.0, size) if wraps else (0.0,) for size, wraps in zip(grid.size, grid.periodic, strict=True)]
 

@@ -127,7 +127,7 @@ class Law:
 
     @property
     def knows_period(self) -> bool:
-        """Whether it resists more in flow that goes to and fro."""
+        """True for a law that resists more in flow to and fro."""
         return "period" in self.coefficients
 
     def taken(self, **given: float) -> dict[str, float]:

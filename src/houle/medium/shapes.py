@@ -1,4 +1,4 @@
-"""Shapes of water, porous bodies and solids, and what they cover: points, distances, exact sections.
+"""Shapes of water, porous bodies and solids: which points they cover, how far off they are, their exact sections.
 
 Every shape is a section in the (x, z) plane; in 3D it is that section over a span of y (a box has its own span, a
 polygon and a level reach over all y). So the union, difference and overlap of shapes are exact: layer by layer in y
@@ -30,20 +30,20 @@ class Shape(Protocol):
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """Lower and upper corner (d,) of the smallest box around it [m]; infinite where it does not end."""
+        """Lower and upper corner (d,) of the smallest box around the shape [m]; infinite where it does not end."""
 
     @property
     def span(self) -> Span:
-        """The y between which it lies [m]."""
+        """Lowest and highest y of the shape [m]."""
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Whether each of the points (..., d) [m] lies in it."""
+        """True (...) for the points (..., d) [m] in the shape or on its boundary."""
 
     def distance(self, points: ArrayLike) -> FloatArray:
-        """Signed distance (...) [m] of points (..., d) from its boundary, positive outside."""
+        """Signed distance (...) [m] of points (..., d) from the boundary of the shape, positive outside."""
 
     def section(self, window: Window) -> shapely.Geometry:
-        """Its (x, z) section, cut to a window."""
+        """Section of the shape in the (x, z) plane, cut to a window [m]."""
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def shape_of(entry: Any, dimension: int) -> Shape:
 
 
 def enclosed(corners: Sequence[tuple[float, float]]) -> shapely.Geometry:
-    """What a ring of corners encloses once, going one way round: a polygon, or several that lines of no width join.
+    """Area that a ring of corners encloses once, going one way round: a polygon, or several joined by mere lines.
 
     Corners may repeat or lie on a line, and the ring may go back along itself, as a surveyed bed does that is closed
     along the floor: what is enclosed is the same without. Raises ValueError where the ring crosses itself, with the
@@ -181,7 +181,7 @@ def enclosed(corners: Sequence[tuple[float, float]]) -> shapely.Geometry:
 
 
 def _turns(ring: FloatArray, place: shapely.Point) -> int:
-    """How often the ring goes round a place, anticlockwise."""
+    """Number of times that the ring goes round a place, anticlockwise."""
     (x, z), (x1, z1) = ring.T, np.roll(ring, -1, axis=0).T
     left = (x1 - x) * (place.y - z) - (z1 - z) * (place.x - x)
     up, down = (z <= place.y) & (z1 > place.y) & (left > 0), (z > place.y) & (z1 <= place.y) & (left < 0)
@@ -211,13 +211,13 @@ def polygons(area: shapely.Geometry) -> NDArray[np.object_]:
 
 
 def covers(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> NDArray[np.bool_]:
-    """Whether the points of the section lie in the area or on its boundary."""
+    """True for the points of the section that lie in the area or on its boundary."""
     shapely.prepare(area)
     return shapely.intersects_xy(area, x, z)
 
 
 def spans_inside(area: shapely.Geometry, x: float) -> list[tuple[float, float]]:
-    """From where to where [m] the upright line at x runs in the area, upwards."""
+    """Lower and upper ends [m] of the pieces of the upright line at x that lie in the area, upwards."""
     low, high = shapely.bounds(area)[[1, 3]]
     if not low < high:
         return []

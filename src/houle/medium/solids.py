@@ -41,7 +41,7 @@ class Outline(NamedTuple):
 
     @classmethod
     def of(cls, grid: Grid, solids: Sequence[Shape]) -> Outline | None:
-        """None where there are no solids in the tank."""
+        """The outline of the solids; None where the tank holds none."""
         counts, numbers, edges, top, before = [], [], [np.empty((0, 8))], [], 0
         for span in layers(grid, solids):
             area = section(grid, solids, span)
@@ -72,7 +72,7 @@ class ClosedFaces(NamedTuple):
 
 
 def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_faces: SingleFaces) -> list[ClosedFaces]:
-    """Those of every axis; where the centre lies on the outline the normal is the axis, if water is beside the face."""
+    """The closed faces of every axis near the water. A centre on the outline has the axis as its normal."""
     d, spacing, found = grid.dimension, min(grid.spacing), []
     for axis in range(d):
         beside, near = _beside(grid, open_cells, axis)
@@ -107,7 +107,7 @@ def _beside(grid: Grid, open_cells: FloatArray, axis: int) -> tuple[NDArray[np.b
 
 
 def _edges(area: shapely.Geometry) -> FloatArray:
-    """`Outline.edge` of a section."""
+    """Edges (E, 8) of a section as in `Outline.edge` [m]."""
     found = [np.empty((0, 8))]
     for part in map(orient, polygons(area)):
         for ring in (part.exterior, *part.interiors):

@@ -153,7 +153,7 @@ def _put(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ...
 
 
 def _blocks(area: shapely.Geometry, lines: Lines) -> list[shapely.Geometry]:
-    """What of an area lies around each column of windows, and somewhat more: less to go through for each."""
+    """Part of an area around each column of windows, and somewhat more, so that there is less to go through."""
     (x, z), found = lines, []
     count = len(x) - 1
     several = int(np.ceil(np.sqrt(count)))
@@ -190,7 +190,7 @@ def _buffer(area: shapely.Geometry, radius: float) -> shapely.Geometry:
 
 
 def _plain(areas: Iterable[shapely.Geometry]) -> list[shapely.Geometry]:
-    """The areas, without the lines and points in which shapes may touch."""
+    """Areas without the lines and points in which shapes may touch."""
     return [shapely.multipolygons(polygons(area)) for area in areas]
 
 
@@ -225,7 +225,7 @@ def _split(whole: NDArray[np.object_], wide: shapely.Geometry, least: float) -> 
 
 
 def _edges_in(grid: Grid, area: shapely.Geometry, lines: Lines, shift: tuple[float, float]) -> NDArray[np.intp]:
-    """How many edges of an area run through each of the windows of a section."""
+    """Number of edges of an area that run through each window of a section."""
     shape = (len(lines[0]) - 1, len(lines[1]) - 1)
     piece, edge = cut_all(edges(area, (0.5 * grid.spacing[0], 0.5 * grid.spacing[-1])))  # in half cells: on all lines
     window = np.floor(0.5 * piece.mean(axis=1) + shift).astype(np.intp)
@@ -236,14 +236,15 @@ def _edges_in(grid: Grid, area: shapely.Geometry, lines: Lines, shift: tuple[flo
 
 
 def _middles(area: shapely.Geometry, lines: Lines) -> NDArray[np.bool_]:
-    """Whether the area covers the middle of each window of a section."""
+    """True for the windows of a section whose middle the area covers."""
     x, z = np.meshgrid(*((line[1:] + line[:-1]) / 2 for line in lines), indexing="ij")
     return covers(area, x, z)
 
 
 def _stacks(grid: Grid, spans: Sequence[Span], shift: float) -> Iterator[tuple[list[int], FloatArray, Span]]:
-    """Numbers of the layers that run through the same windows in y, how wide [m] they are there, and from where to
-    where [m] these windows reach.
+    """Runs of windows in y through which the same layers go.
+
+    Each comes as the numbers of its layers, their widths in it [m], and the span of the windows [m].
     """
     if grid.dimension == 2:
         yield [0], np.ones(1), EVERYWHERE
@@ -268,7 +269,10 @@ def _stacks(grid: Grid, spans: Sequence[Span], shift: float) -> Iterator[tuple[l
 
 
 def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: float) -> bool:
-    """Whether the open polygons of the layers of a window, which are so wide, are more than one part of its space."""
+    """True where the open polygons of the layers of a window make more than one part of its space.
+
+    width is that of each layer inside the window [m], window the area of its section [m2].
+    """
     part = [(n, p) for n, found in enumerate(layer) for p in found]
     if len(part) < 2:
         return False
@@ -283,13 +287,13 @@ def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: 
 
 
 def solid_windows(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
-    """The windows that count as solid besides what is drawn."""
+    """Windows that count as solid besides the solids as they are drawn."""
     whole = [solid for solid in thickened(grid, solids) if isinstance(solid, Thickened)]
     return [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
 
 
 def closed_passage(grid: Grid, open_: shapely.Geometry, windows: shapely.Geometry) -> tuple[float, float] | None:
-    """Where in a section (x, z) [m] the windows that count as solid first part the open space in two.
+    """Place (x, z) [m] in a section at which the windows that count as solid first part the open space in two.
 
     Both parts are larger than a cell. None where the windows close no passage.
     """
@@ -306,5 +310,5 @@ def closed_passage(grid: Grid, open_: shapely.Geometry, windows: shapely.Geometr
 
 
 def at_width(boxes: Sequence[Box], y: float) -> list[Box]:
-    """Those that reach over a y in 3D; all of them in 2D."""
+    """The boxes that reach over this y [m]; all of them in 2D."""
     return [box for box in boxes if box.span[0] <= y <= box.span[1]]

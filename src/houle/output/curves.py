@@ -22,7 +22,7 @@ MOST = 10  # gauges in a picture
 
 
 def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
-    """What the run conserved and what it cost: energy and who changed it, volume, iterations, time step."""
+    """The ledger of a run against time: energy and its changes, water volume, iterations and time step."""
     energy = "J/m" if grid.dimension == 2 else "J"
     split = {name: key for name in OPERATIONS if (key := f"energy_{name}") in series and series[key].values.any()}
     level = {"": 1e3 * (series["mean_level"].values - series["mean_level"].values[0])} if "mean_level" in series else {}
@@ -99,7 +99,7 @@ def draw_curves(
 
 
 def _limits(values: FloatArray) -> tuple[float, float]:
-    """From the lowest to the highest, and some air; never so close that round-off looks like a wave."""
+    """Limits of an axis around values, with some air; never so close that round-off looks like a wave."""
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     air = max(0.05 * (high - low), 1e-3 * max(abs(low), abs(high))) or 1.0
     return low - air, high + air

@@ -1,4 +1,4 @@
-"""How our pictures look: sheets of panels laid out in inches, colours, bodies, labels at the ends of lines.
+"""Sheets of panels laid out in inches, with the colours, scales, words and keys that all our pictures share.
 
 Nothing here touches the state of matplotlib or opens a window: figures are made by hand and drawn by Agg. The colours
 are told apart by people who do not see red and green (lightness differs, and no meaning hangs on hue alone).
@@ -76,7 +76,7 @@ _STYLE: dict[str, Any] = {
 
 
 def pressures() -> Colormap:
-    """From shallow green to deep blue, monotone in lightness; the palest end is left out, it would vanish on white."""
+    """Colours from shallow green to deep blue, monotone in lightness, without the palest, which vanish on white."""
     colours = matplotlib.colormaps["YlGnBu"](np.linspace(0.13, 1.0, 256))
     return LinearSegmentedColormap.from_list("pressures", colours)
 

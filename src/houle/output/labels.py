@@ -1,4 +1,4 @@
-"""Where words stand in a picture: beside each other, above a panel, or near a point, never on each other.
+"""Placing of words in a picture: beside each other, above a panel, or near a point, never on each other.
 
 Everything here is in points of 1/72 inch.
 """

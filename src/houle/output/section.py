@@ -49,7 +49,7 @@ NAMES_RISE = 6.0  # points from a panel to the names above it
 
 
 class SectionPicture:
-    """What a picture of the section shows of a case, and between which heights [m].
+    """A picture of the section of a case, between two heights [m].
 
     levels are heights that must be inside; without them the whole tank is shown, up to its lid.
     """
@@ -86,7 +86,7 @@ class SectionPicture:
 
     @property
     def waves(self) -> bool:
-        """Whether something makes or damps waves."""
+        """True where something makes or damps waves."""
         return self.case.waves is not None or len(self.bands) > 0
 
     def look_close(self, eta: FloatArray) -> None:
@@ -358,7 +358,7 @@ def _draw_bands(panel: Axes, bands: Sequence[Band]) -> None:
 
 
 def _name_bands(panel: Axes, bands: Sequence[Band]) -> None:
-    """What acts on the water, at the top of the panel over its place."""
+    """Names of the bands, at the top of the panel over their places."""
     if not bands:
         return
     width, tall = (72.0 * side for side in drawing.panel_size(panel))

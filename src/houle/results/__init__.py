@@ -1,1 +1,1 @@
-"""What the waves of a run did and how far it can be believed: reflection, energy, impacts, the summary."""
+"""Results of a run: reflection, energy of the waves, quality of the waves, impacts, and the summary."""

@@ -1,4 +1,4 @@
-"""What the structure of a run reflects, transmits and swallows: [reflection] of the case, measured at its end.
+"""Reflection, transmission and dissipation of the structure of a run: [reflection], measured at its end.
 
 The gauges are taken apart by `houle.analysis.reflection`; beside it stands linear theory where there is one: a vertical
 porous block over the full depth on a flat bed, its drag made linear by equal work (Lorentz).
@@ -30,7 +30,7 @@ NEAR = 1e-6  # m, of two places that are the same
 
 @dataclass(frozen=True)
 class Flume:
-    """Where things stand along the flume [m], the waves coming from `maker` towards `front`.
+    """Places along the flume [m]; the waves go from `maker` to `front`.
 
     back   where the wave that entered the structure turns at the latest: the back of the structure, or a wall
     wall   the side of the tank behind the structure      absorbed  a sponge takes the transmitted wave there
@@ -91,7 +91,7 @@ def measure(run: Run) -> Reflection:
 
 
 def limits(case: Case, wave: Wave) -> dict[str, Any]:
-    """What bounds the window in which the gauges hold the incident wave and its reflection: for choose_window."""
+    """Bounds for `choose_window`, which finds when gauges hold the incident wave and its reflection alone."""
     asked, waves, flume = case.reflection, case.waves, Flume.of(case)
     assert asked is not None and waves is not None
     reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
@@ -148,7 +148,7 @@ def as_made(case: Case, found: Reflection) -> float:
 
 
 def no_theory(case: Case) -> str | None:
-    """Why linear theory has nothing to say of the structure, in words; None if it has.
+    """Reason in words for which linear theory has nothing to say of the structure; None if it has.
 
     It knows one porous rectangle from the bottom through the surface at the place named in [reflection], nothing else
     in the way, and either a wall right behind it or something that takes up what it transmits, under regular waves.

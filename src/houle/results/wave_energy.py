@@ -1,8 +1,9 @@
-"""Where the energy of the waves went: work of the maker = sponges + drag + viscosity + stored + lost in numbers.
+"""Energy budget of the waves: work of the maker = sponges + drag + viscosity + stored + lost in numbers.
 
-Of a run with [waves], from its series, as mean powers over its last periods. Potential energy is that of the levels of
-the columns (`potential_energy` of such runs). What is lost in numbers is what is left over. It is set beside the energy
-that the waves hold: lost per wavelength is the part of it lost while the energy goes a wavelength, in L / c_g.
+It is made for runs with [waves], from their series, as mean powers over the last periods. Potential energy is that of
+the levels of the columns (`potential_energy` of such runs). What is lost in numbers is what is left over. It is set
+beside the energy that the waves hold: lost per wavelength is the part of it lost while the energy goes a wavelength, in
+L / c_g.
 """
 
 from __future__ import annotations

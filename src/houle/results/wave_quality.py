@@ -1,7 +1,7 @@
 """Wave quality card: how good the waves of a case are before anything stands in their way.
 
-The twin of a case is its flume without the structure: a sponge stands there instead, and gauges of its own along the
-way. It is computed once for all cases with the same flume and waves; the card is kept in the user's cache folder.
+The flume of the case is computed without the structure: a sponge stands there instead, and gauges of its own along the
+way. This is done once for all cases with the same flume and waves; the card is kept in the user's cache folder.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def card(case: Case, says: Says) -> dict[str, Any]:
     if asked is None or not asked.twin:
         return {}
     try:
-        empty = twin_of(case)
+        empty = empty_flume(case)
         kept = folder() / f"{empty.hash}-{_version()}.json"
         if kept.is_file():
             return {**json.loads(kept.read_text(encoding="utf-8")), "kept": str(kept)}
@@ -71,14 +71,14 @@ def card(case: Case, says: Says) -> dict[str, Any]:
 
 
 def folder() -> Path:
-    """Where cards are kept: houle/twins in the user's cache folder (XDG_CACHE_HOME, or .cache in the home folder)."""
+    """Folder of the cards: houle/twins in the user's cache folder (XDG_CACHE_HOME, or .cache in the home folder)."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "houle" / "twins"
 
 
-def twin_of(case: Case) -> Case:
+def empty_flume(case: Case) -> Case:
     """The flume without porous bodies, without solids at or behind the structure's face, and with a sponge there.
 
-    Solids that begin before the face are the bed. Raises CaseError, or AnalysisError where there is no twin.
+    Solids that begin before the face are the bed. Raises CaseError, or AnalysisError where this cannot be done.
     """
     assert case.waves is not None and case.reflection is not None
     if case.waves.kind != "regular":
@@ -105,9 +105,9 @@ def twin_of(case: Case) -> Case:
     }  # fmt: skip
     for key in ("reflection", "reference", "output", *_OBSERVED):
         data.pop(key, None)
-    twin = load(data)
-    twin._path = case.path
-    return twin
+    empty = load(data)
+    empty._path = case.path
+    return empty
 
 
 _OBSERVED = ("runup", "overtopping", "force", "phreatic", "flux")
@@ -120,13 +120,13 @@ def _begins(solid: Any) -> float:
 
 
 def _start(wave: Wave, flume: Flume, first: float, sponge: float) -> float:
-    """When what the sponge sends back is steady at the first gauge [s]; it turns half-way into the sponge."""
+    """Time [s] from which the waves that the sponge sends back, half-way into it, are steady at the first gauge."""
     turn = sponge + 0.5 * SPONGE * wave.length
     return (2 * turn - first - flume.maker) / wave.group_velocity + (2.0 + SETTLE) * wave.period
 
 
 def measure(empty: Case, says: Says) -> analysis.QualityCard:
-    """Computes the twin and reads its card."""
+    """Computes the empty flume and returns its card."""
     from houle.case.build import build
     from houle.flow.simulation import Simulation
 
