@@ -27,7 +27,6 @@ LAYERS = (
         "medium.sections",
         "medium.integrals",
         "fields",
-        "flow.snapshot",
         "data",
     }
     | {"medium.interfaces"}
@@ -69,6 +68,7 @@ LAYERS = (
         "case.consistency",
         "case.model",
         "case.build",
+        "case.instruments",
         "flow.rows",
         "check.section",
         "check.waves",

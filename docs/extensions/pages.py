@@ -130,7 +130,7 @@ def _other_fields(page: Page, block: Block) -> str:
     text = page.path.read_text(encoding="utf-8")
     rows = [
         f"| `{row.name}` | {row.place} | {row.unit}{f' ({row.unit_2d})' if row.unit_2d else ''} | {row.description} |"
-        for row in import_module("houle.fields").FIELDS
+        for row in import_module("houle.case.describe").everything_written()
         if f"`{row.name}`" not in text and row.place != "face" and row.name != "time"
     ]
     return "\n".join(["| variable | place | unit (2D) | meaning |", "|---|---|---|---|", *rows]) if rows else ""

@@ -1,4 +1,4 @@
-"""The two ways a run can end badly: the input was wrong (exit status 2), or the run failed (exit status 3)."""
+"""The two ways a run can end badly: the input was wrong (exit status 2), or the run failed (exit status 3); hints."""
 
 from __future__ import annotations
 
@@ -25,3 +25,9 @@ class SimulationError(HouleError):
     ) -> None:
         super().__init__(message)
         self.step, self.time, self.place, self.diagnosis = step, time, place, diagnosis
+
+
+def metres(value: float, size: float) -> str:
+    """A guess at the unit in which a position was given that lies far outside a tank of this size [m], or nothing."""
+    units = ((0.01, "cm"), (0.001, "mm"))
+    return next((f" Were {u} given? Lengths are in m." for f, u in units if 10 * size < value <= size / f), "")

@@ -4,9 +4,11 @@ import dataclasses
 
 import numpy as np
 
+from houle.case.instruments import instruments
 from houle.case.model import load
-from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
+from houle.observe.snapshot import Snapshot
+from houle.output import Outputs, about
 
 SINGLE = 2e-7  # relative rounding of float32, in which fields are stored
 
@@ -29,6 +31,11 @@ def made_case(dimension=2, **tables):
             **tables,
         }
     )
+
+
+def made_outputs(folder, case, grid):
+    """The writers of a run of a made case."""
+    return Outputs(folder, grid, [kind.stations for kind in instruments(case)], about(case))
 
 
 def made_grid(dimension=2):

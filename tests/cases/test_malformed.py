@@ -12,7 +12,7 @@ from houle.case.model import load
 from houle.check import rules
 from houle.errors import CaseError
 
-CAMPAIGN = runpy.run_path(str(Path(__file__).parent.parent / "campaigns" / "case/reading.py"))
+CAMPAIGN = runpy.run_path(str(Path(__file__).parent.parent / "campaigns" / "case_files.py"))
 BASE = {
     "case": {"name": "a"},
     "domain": {"size": [4.0, 0.5], "spacing": 0.05},

@@ -6,10 +6,9 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from made_run import SINGLE, assert_same_frame, made_case, made_frame, made_grid, write
+from made_run import SINGLE, assert_same_frame, made_case, made_frame, made_grid, made_outputs, write
 
 from houle.output import (
-    Outputs,
     read_fields,
     vtkhdf,
 )
@@ -20,7 +19,7 @@ from houle.output import (
 @pytest.mark.parametrize("packed", [False, True])
 def test_fields_give_back_the_frames(tmp_path, dimension, frames, packed):
     grid = made_grid(dimension)
-    outputs = Outputs(tmp_path, made_case(dimension), grid)
+    outputs = made_outputs(tmp_path, made_case(dimension), grid)
     write(outputs, grid, range(frames), [])
     outputs.close() if packed else outputs.commit()
     assert (tmp_path / ".fields").exists() != packed
@@ -55,7 +54,7 @@ def vtk_step(file, step):
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_file_is_what_the_vtkhdf_specification_asks_for(tmp_path, dimension, packed):
     grid = made_grid(dimension)
-    outputs = Outputs(tmp_path, made_case(dimension), grid)
+    outputs = made_outputs(tmp_path, made_case(dimension), grid)
     write(outputs, grid, range(4), [])
     outputs.close() if packed else outputs.commit()
     with h5py.File(tmp_path / "fields.vtkhdf") as file:
@@ -102,7 +101,7 @@ def test_a_run_may_have_more_frames_than_an_attribute_holds_numbers(tmp_path):
 
 
 def test_every_array_carries_its_unit(tmp_path):
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     write(outputs, made_grid(), range(2), [])
     outputs.close()
     with h5py.File(tmp_path / "fields.vtkhdf") as file:

@@ -13,12 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from made_run import assert_same_frame, made_case, made_frame, made_grid, write
+from made_run import assert_same_frame, made_case, made_frame, made_grid, made_outputs, write
 
-from houle.flow.snapshot import Snapshot
+from houle.observe.snapshot import Snapshot
 from houle.output import (
     OutputError,
-    Outputs,
     checkpoints,
     collect,
     fields,
@@ -40,14 +39,14 @@ from houle.output.apart import apart
 def test_a_resumed_run_leaves_the_files_of_an_uninterrupted_one(tmp_path, packed, stop):
     grid, case = made_grid(), made_case()
     whole, parts = tmp_path / "whole", tmp_path / "parts"
-    outputs = Outputs(whole, case, grid)
+    outputs = made_outputs(whole, case, grid)
     write(outputs, grid, range(7), range(25))
     outputs.close()
 
-    outputs = Outputs(parts, case, grid)
+    outputs = made_outputs(parts, case, grid)
     write(outputs, grid, range(6), range(21))
     outputs.close() if packed else outputs.commit()
-    outputs = Outputs(parts, case, grid)
+    outputs = made_outputs(parts, case, grid)
     outputs.truncate_after(0.1 * stop, 0.1 * stop)
     assert len(read_fields(parts)) == stop + 1
     write(outputs, grid, range(stop + 1, 7), range(4 * stop + 1, 25))
@@ -65,11 +64,11 @@ def test_a_resumed_run_leaves_the_files_of_an_uninterrupted_one(tmp_path, packed
 
 def test_a_run_cut_back_twice_forgets_its_future_twice(tmp_path):
     grid, case = made_grid(), made_case()
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(9), [0])
     outputs.close()
     for last, more in ((5, 7), (2, 4)):  # goes on by one frame or two, then is killed
-        outputs = Outputs(tmp_path, case, grid)
+        outputs = made_outputs(tmp_path, case, grid)
         outputs.truncate_after(0.1 * last, 0.0)
         write(outputs, grid, range(last + 1, more), [])
         outputs.commit()
@@ -81,10 +80,10 @@ def test_a_run_cut_back_twice_forgets_its_future_twice(tmp_path):
 WRITE_FOREVER = """
     import sys
     sys.path.insert(0, {here!r})
-    from made_run import made_case, made_frame, made_grid, made_sample
-    from houle.output import Outputs, save_checkpoint
+    from made_run import made_case, made_frame, made_grid, made_outputs, made_sample
+    from houle.output import save_checkpoint
     grid = made_grid()
-    outputs = Outputs({folder!r}, made_case(), grid)
+    outputs = made_outputs({folder!r}, made_case(), grid)
     for index in range(1000000):
         outputs.append_frame(made_frame(grid, index))
         outputs.append_series(0.025 * index, made_sample(2, index))
@@ -110,7 +109,7 @@ def test_kill_9_at_any_moment_leaves_readable_files(tmp_path, wait):
     assert len(got) > saved.step and read_series(tmp_path).sizes["time"] > saved.step
     for index in range(len(got)):
         assert_same_frame(got.frame(index), made_frame(grid, index))
-    outputs = Outputs(tmp_path, made_case(), grid)
+    outputs = made_outputs(tmp_path, made_case(), grid)
     outputs.truncate_after(saved.meta["time"], saved.meta["time"])
     outputs.close()
     assert len(read_fields(tmp_path)) == saved.step + 1 == read_surface(tmp_path).sizes["time"]
@@ -119,10 +118,10 @@ def test_kill_9_at_any_moment_leaves_readable_files(tmp_path, wait):
 FILL_THE_DISK = """
     import resource, sys
     sys.path.insert(0, {here!r})
-    from made_run import made_case, made_frame, made_grid, made_sample
-    from houle.output import OutputError, Outputs, save_checkpoint
+    from made_run import made_case, made_frame, made_grid, made_outputs, made_sample
+    from houle.output import OutputError, save_checkpoint
     grid = made_grid()
-    outputs = Outputs({folder!r}, made_case(), grid)
+    outputs = made_outputs({folder!r}, made_case(), grid)
     outputs.append_frame(made_frame(grid, 0))
     outputs.append_series(0.0, made_sample(2, 0))
     outputs.commit()
@@ -239,12 +238,12 @@ def test_a_file_that_hdf5_does_not_come_through_is_damaged(tmp_path):
 
 def test_resume_goes_on_without_a_file_that_hdf5_does_not_come_through(tmp_path, monkeypatch):
     grid, case = made_grid(), made_case()
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(3), range(9))
     outputs.close()
     for module in (growing, fields):
         monkeypatch.setattr(module, "apart", lambda look, path: None)
-    lost = Outputs(tmp_path, case, grid).truncate_after(0.2, 0.2, [0.0, 0.1, 0.2])
+    lost = made_outputs(tmp_path, case, grid).truncate_after(0.2, 0.2, [0.0, 0.1, 0.2])
     assert len(lost) == 3 and all("HDF5 does not come through it" in text and "are lost" in text for text in lost)
     assert sorted(p.name for p in tmp_path.glob("*.damaged")) == [
         "fields.vtkhdf.damaged",

@@ -5,13 +5,14 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from made_run import made_case, made_frame, made_grid, made_sample, write
+from made_run import made_case, made_frame, made_grid, made_outputs, made_sample, write
 
-from houle import fields
-from houle.flow import ledger
+from houle.case.describe import everything_written
+from houle.observe.ledger import LedgerRow
+from houle.observe.observer import asked_by_tables
+from houle.observe.paddle import PaddlePositions
 from houle.output import (
     OutputError,
-    Outputs,
     atomic,
     growing,
     read_series,
@@ -22,24 +23,27 @@ from houle.output import (
 
 
 def test_every_name_has_a_unit_and_a_description():
-    for field in fields.FIELDS:
+    fields = list(everything_written())
+    for field in fields:
         assert field.description and field.symbol and field.unit
-    assert len({(f.place, f.name) for f in fields.FIELDS}) == len(fields.FIELDS)
-    assert fields.find("volume").unit_in(2) == "m2" and fields.find("volume").unit_in(3) == "m3"
+    assert len({(f.place, f.name) for f in fields}) == len(fields)
+    volume = next(f for f in LedgerRow.fields if f.name == "volume")
+    assert volume.unit_in(2) == "m2" and volume.unit_in(3) == "m3"
 
 
-def test_the_table_and_the_ledger_know_the_same_operations():
-    assert fields.OPERATIONS == ledger.OPERATIONS
+def test_names_in_the_series_are_those_of_one_observer_each():
+    names = [f.name for o in (*asked_by_tables().values(), PaddlePositions, LedgerRow) for f in o.fields]
+    assert len(set(names)) == len(names)
 
 
-def test_a_quantity_that_is_not_in_the_table_is_refused_by_name(tmp_path):
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+def test_a_quantity_that_nobody_observes_is_refused_by_name(tmp_path):
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     with pytest.raises(RuntimeError, match="'gremlins'"):
         outputs.append_series(0.0, made_sample(2, 0) | {"gremlins": 1.0})
 
 
 def test_every_row_has_the_same_names(tmp_path):
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     outputs.append_series(0.0, made_sample(2, 0))
     with pytest.raises(RuntimeError, match="'courant'"):
         outputs.append_series(0.1, made_sample(2, 1) | {"courant": 0.5})
@@ -47,7 +51,7 @@ def test_every_row_has_the_same_names(tmp_path):
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_series_keep_values_units_and_dry_gauges(tmp_path, dimension):
-    outputs = Outputs(tmp_path, made_case(dimension), made_grid(dimension))
+    outputs = made_outputs(tmp_path, made_case(dimension), made_grid(dimension))
     write(outputs, made_grid(dimension), [], range(8))
     outputs.commit()
     series = read_series(tmp_path)
@@ -57,7 +61,7 @@ def test_series_keep_values_units_and_dry_gauges(tmp_path, dimension):
     np.testing.assert_array_equal(series.kinetic_energy, 5.0 * np.arange(8))
     assert series.kinetic_energy.attrs["units"] == ("J m-1" if dimension == 2 else "J")
     assert series.eta.attrs["standard_name"] == "water_surface_height_above_reference_datum"
-    assert series.time.attrs == {"units": "s", "long_name": "simulated time", "symbol": "t"}
+    assert series.time.attrs == {"units": "s", "long_name": "simulated time since the start of the run", "symbol": "t"}
     assert series.attrs["Conventions"] == "CF-1.11" and series.attrs["case_hash"] == made_case(dimension).hash
     assert set(series.coords) >= {"gauge_x", "sensor_x", "sensor_z"} and ("gauge_y" in series.coords) == (
         dimension == 3
@@ -66,15 +70,16 @@ def test_series_keep_values_units_and_dry_gauges(tmp_path, dimension):
 
 def test_a_run_without_gauges_and_sensors_has_a_ledger_only(tmp_path):
     case = made_case(gauge=[], sensor=[])
-    outputs = Outputs(tmp_path, case, made_grid())
-    none = {"eta": np.zeros(0), "pressure": np.zeros(0), "velocity": np.zeros((0, 2))}
+    outputs = made_outputs(tmp_path, case, made_grid())
+    none = ("eta", "pressure", "velocity")
+    samples = [{k: v for k, v in made_sample(2, i).items() if k not in none} for i in range(3)]
     for index in range(3):
-        outputs.append_series(0.1 * index, made_sample(2, index) | none)
+        outputs.append_series(0.1 * index, samples[index])
     outputs.commit()
     assert "eta" not in read_series(tmp_path) and read_series(tmp_path).sizes == {"time": 3}
-    again = Outputs(tmp_path, case, made_grid())
+    again = made_outputs(tmp_path, case, made_grid())
     again.series.truncate_after(0.1)
-    again.append_series(0.2, made_sample(2, 2) | none)
+    again.append_series(0.2, samples[2])
     again.series.commit()
     assert read_series(tmp_path).sizes == {"time": 3}
 
@@ -82,7 +87,7 @@ def test_a_run_without_gauges_and_sensors_has_a_ledger_only(tmp_path):
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_surface_lies_as_gridded_data_do(tmp_path, dimension):
     grid = made_grid(dimension)
-    outputs = Outputs(tmp_path, made_case(dimension), grid)
+    outputs = made_outputs(tmp_path, made_case(dimension), grid)
     write(outputs, grid, range(3), [])
     outputs.commit()
     surface = read_surface(tmp_path)
@@ -92,7 +97,7 @@ def test_surface_lies_as_gridded_data_do(tmp_path, dimension):
 
 
 def test_surface_and_series_are_netcdf_4_for_other_readers(tmp_path):
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     write(outputs, made_grid(), range(3), range(9))
     outputs.commit()
     with h5netcdf.File(tmp_path / "series.nc") as file:
@@ -126,7 +131,7 @@ class Counted(atomic.Sink):
 def test_a_commit_writes_its_own_rows_and_no_other_however_many_there_are(tmp_path, monkeypatch):
     """So do memory and time: 300 000 rows take what 3 000 take."""
     monkeypatch.setattr(growing, "Sink", Counted)
-    outputs, sample = Outputs(tmp_path, made_case(), made_grid()), made_sample(2, 5)
+    outputs, sample = made_outputs(tmp_path, made_case(), made_grid()), made_sample(2, 5)
     written = []
     for row in range(20_000):
         outputs.append_series(0.025 * row, sample)
@@ -142,7 +147,7 @@ def test_a_commit_writes_its_own_rows_and_no_other_however_many_there_are(tmp_pa
 
 def test_rows_go_to_the_file_before_they_fill_the_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(growing, "ROOM", 10_000.0)
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     for row in range(500):
         outputs.append_series(0.025 * row, made_sample(2, row))
     assert read_series(tmp_path).sizes["time"] > 400
@@ -155,7 +160,7 @@ def test_rows_go_to_the_file_before_they_fill_the_memory(tmp_path, monkeypatch):
 def test_the_file_that_stays_is_that_of_one_commit(tmp_path):
     """Dimensions, filters and attributes, too."""
     for name, every in (("once", 2000), ("often", 37)):
-        outputs = Outputs(tmp_path / name, made_case(), made_grid())
+        outputs = made_outputs(tmp_path / name, made_case(), made_grid())
         for row in range(1500):
             outputs.append_series(0.025 * row, made_sample(2, row))
             if row % every == every - 1:
@@ -170,7 +175,7 @@ def test_the_file_that_stays_is_that_of_one_commit(tmp_path):
 
 
 def test_who_reads_a_series_while_it_grows_keeps_what_he_opened(tmp_path):
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
 
     def go_on(rows):
         for row in rows:
@@ -186,7 +191,7 @@ def test_who_reads_a_series_while_it_grows_keeps_what_he_opened(tmp_path):
 
 
 def test_an_append_that_is_cut_short_leaves_the_file_of_the_commit_before(tmp_path, monkeypatch):
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     write(outputs, made_grid(), range(2), range(10))
     outputs.commit()
     write(outputs, made_grid(), range(2, 4), range(10, 20))
@@ -204,7 +209,7 @@ def test_without_hard_links_it_is_the_same(tmp_path, monkeypatch):
         raise OSError(95, "not supported")
 
     monkeypatch.setattr(growing.os, "link", none)
-    outputs = Outputs(tmp_path, made_case(), made_grid())
+    outputs = made_outputs(tmp_path, made_case(), made_grid())
     for row in range(50):
         outputs.append_series(0.025 * row, made_sample(2, row))
         outputs.commit()

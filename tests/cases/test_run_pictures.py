@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from made_run import made_case, made_grid, write
+from made_run import made_case, made_grid, made_outputs, write
 
 from houle.output import (
     OutputError,
-    Outputs,
     read_fields,
     read_series,
     read_surface,
@@ -31,7 +30,7 @@ def test_pictures_of_a_run(tmp_path, dimension):
     from houle.output import drawing, pictures
 
     grid, case = made_grid(dimension), made_case(dimension)
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(6), range(21))
     outputs.close()
     made = pictures.write_pictures(
@@ -51,7 +50,7 @@ def test_pictures_show_makers_sponges_and_still_water(tmp_path, maker):
     from houle.output import pictures
 
     grid, case = made_grid(), made_case()
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(6), range(21))
     outputs.close()
     wave = {"kind": "regular", "height": 0.01, "period": 0.6, "depth": 0.15}
@@ -103,7 +102,7 @@ def test_laboratory_points_are_drawn_and_scored(tmp_path):
 
     reference = {"surface": "lab.csv", "error": 0.004, "label": "someone (1999)"}
     grid, case = made_grid(), made_case(reference=reference)
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(3), range(3))
     outputs.close()
     surface = read_surface(tmp_path)
@@ -143,7 +142,7 @@ def test_a_film_has_a_picture_for_every_frame(tmp_path):
     from houle.output import movie
 
     grid, case = made_grid(), made_case()
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(3), [])
     outputs.close()
     path = movie.write_movie(tmp_path / "movie.mp4", case, read_fields(tmp_path), rate=5)

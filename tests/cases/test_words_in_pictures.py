@@ -4,14 +4,14 @@ import itertools
 
 import numpy as np
 import pytest
-from made_run import made_case, made_grid, write
+from made_run import made_case, made_grid, made_outputs, write
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from analysis import flumes
 from houle import analysis, load
-from houle.output import Outputs, drawing, read_fields, read_series, read_surface
+from houle.output import drawing, read_fields, read_series, read_surface
 
 AWKWARD = r"$\undefined_{x}$ 50 % of $H_s$ & W_1^2"
 LONG = "Überströmter Wellenbrecher MIT WAAGERECHTER KRONE UND WEITEM VORLAND, Versuchsreihe WM_$12$, " * 3
@@ -94,7 +94,7 @@ def test_the_pictures_of_a_run(tmp_path, figures, dimension, title):
     from houle.output import pictures
 
     grid, case = made_grid(dimension), made_case(dimension, case={"name": "slosh", "title": title})
-    outputs = Outputs(tmp_path, case, grid)
+    outputs = made_outputs(tmp_path, case, grid)
     write(outputs, grid, range(6), range(21))
     outputs.close()
     files = read_series(tmp_path), read_surface(tmp_path), read_fields(tmp_path)

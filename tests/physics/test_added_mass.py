@@ -17,7 +17,7 @@ from houle.grid import Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
-from houle.observe.bodies import BodyLoad
+from houle.observe.force import BodyLoad
 from houle.validation.exact import bernoulli_jump, column_infiltration, duct_flow
 from houle.validation.media import medium
 

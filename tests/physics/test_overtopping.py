@@ -56,7 +56,7 @@ def test_a_section_that_nothing_overtops_counts_exactly_nothing():
     """Waves slosh below the crest, under the base of the wall and through the pores, which are partly filled there:
     what seeps through each section is the change of the water behind it to round-off."""
     sim = breakwater([[0.0, 0.345], [2.4, 0.235]])
-    sections = [o.crest.x for o in sim.observers.overtoppings[:6]]
+    sections = [crest.x for crest in sim.flow.crests[:6]]
     before, highest = np.array([behind(sim, x) for x in sections]), 0.0
     while sim.time < 5.0:
         run(sim, 20)

@@ -13,6 +13,8 @@ from campaigns.geometries import random_case, run
 from houle import load
 from houle.check.rules import check
 from houle.medium.thin_solids import Thickened
+from houle.observe.gauge import Gauges
+from houle.observe.sensor import Sensors
 
 H = 0.03
 PLACES = {"on a line": 0.48, "beside a line": 0.4863, "between lines": 0.495}
@@ -81,7 +83,7 @@ def test_a_plate_at_the_seam_of_a_periodic_axis_holds_water(place):
         ),
         numerics__remesh_every=1,
     )
-    found, (rho, g) = sim.observers.sample(), (sim.setup.fluid.density, sim.setup.fluid.gravity)
+    found, (rho, g) = sim.sample(), (sim.setup.fluid.density, sim.setup.fluid.gravity)
     np.testing.assert_allclose(found["eta"], [0.27, 0.27, 0.12], rtol=0, atol=1e-6)
     np.testing.assert_allclose(found["pressure"], rho * g * np.array([0.22, 0.22, 0.07]), rtol=4e-3)
     assert found["force"][:, 0].sum() == pytest.approx(0.5 * rho * g * (0.12**2 - 0.27**2), rel=3e-3)
@@ -95,8 +97,10 @@ def test_water_on_both_sides_of_the_seam_is_seen_past_a_solid_far_away():
     block = {"box": [[0.3, 0.0], [0.6, 0.36]]}
     tank = {"size": [0.96, 0.36], "spacing": H, "walls": {"x": "periodic"}}
     sim = simulation(pools(block, domain=tank, water=[{"below": 0.2}], gauge=[{"x": 0.0}], sensor=[{"at": [0.0, 0.1]}]))
-    assert (sim.observers.sensors.weight > 0.0).all()
-    assert not sim.observers.gauges.hidden.any()
+    gauges = next(o for o in sim.observers if isinstance(o, Gauges))
+    sensors = next(o for o in sim.observers if isinstance(o, Sensors))
+    assert (sensors.weight > 0.0).all()
+    assert not gauges.hidden.any()
 
 
 def test_a_plate_with_corners_of_water_beside_it_holds_water():
@@ -212,7 +216,7 @@ def test_instruments_on_a_plate_read_the_water_on_their_side(place):
             force=[{"body": "plate"}],
         )
     )
-    found = sim.observers.sample()
+    found = sim.sample()
     np.testing.assert_allclose(found["eta"], [0.27, 0.12], rtol=0, atol=1e-6)
     rho, g = sim.setup.fluid.density, sim.setup.fluid.gravity
     np.testing.assert_allclose(found["pressure"], rho * g * np.array([0.22, 0.07]), rtol=3e-3)
@@ -224,7 +228,7 @@ def test_a_sensor_on_a_plate_above_the_water_reads_nothing():
     lid = {"polygon": [[0.0, 0.0654], [0.96, 0.2323], [0.96, 0.2364], [0.0, 0.0695]]}
     places = [[x, 0.0653 + 0.1739 * x] for x in np.linspace(0.02, 0.3, 40)]
     sim = simulation(pools(lid, water=[{"below": 0.06}], sensor=[{"at": place} for place in places]))
-    np.testing.assert_array_equal(sim.observers.sample()["pressure"], 0.0)
+    np.testing.assert_array_equal(sim.sample()["pressure"], 0.0)
 
 
 def test_solids_thicker_than_a_cell_are_as_they_are_drawn():
@@ -264,6 +268,6 @@ def test_a_passage_that_plates_close_is_told_and_water_that_they_leave_none_of_i
 def test_a_sensor_in_a_slit_between_a_plate_and_the_wall_reads_nothing():
     """The slit counts as solid; the way away from the plate leads out of the tank."""
     case = pools(upright(0.015, 0.006), sensor=[{"at": [0.006, 0.05]}, {"at": [0.018, 0.05]}])
-    found = simulation(case | {"water": [{"below": 0.12}]}).observers.sample()
+    found = simulation(case | {"water": [{"below": 0.12}]}).sample()
     assert np.all(found["velocity"] == 0.0)
     assert found["pressure"] == pytest.approx([0.0, 1000.0 * 9.81 * 0.07], rel=3e-3)

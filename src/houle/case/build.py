@@ -23,6 +23,7 @@ from houle.boundary.open_side import OpenSide, Record
 from houle.boundary.paddle import Paddle
 from houle.boundary.relaxation_zone import RelaxationZone
 from houle.boundary.sponge import damping, way_length
+from houle.case.instruments import instruments
 from houle.case.model import Case
 from houle.case.tables.sides import COLUMNS, Open
 from houle.case.tables.tank import Absorber, Gate, Porous, Resistance, Sponge
@@ -41,7 +42,6 @@ from houle.medium.medium import Medium
 from houle.medium.resistance import LAWS, Pair, from_permeability, inertia_coefficient
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import shape_of
-from houle.observe import Observers
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
@@ -66,7 +66,7 @@ def build(case: Case) -> Setup:
         no_slip=case.domain.walls.no_slip(d),
         settles=not case.gate,
         boundaries=tuple(_boundaries(case, wave)),
-        observe=partial(Observers, case),
+        instruments=instruments(case),
         wave=wave,
     )
 
@@ -79,8 +79,7 @@ def first_rows(case: Case) -> int:
     if case.waves is not None or case.open or case.absorber:
         return grid.shape[-1]
     shapes = [shape_of(entry, case.dimension).bounds[1][-1] for entry in (*case.water, *case.porous, *case.solid)]
-    observed = [sensor.at[-1] for sensor in case.sensor] + [o.level for o in case.overtopping if o.level is not None]
-    highest = max([0.0, *shapes, *observed])
+    highest = max(0.0, *shapes, *(kind.highest for kind in instruments(case)))
     rows = math.ceil(min(highest, grid.size[-1]) / grid.spacing[-1]) + MARGIN
     return min(rows, grid.shape[-1])
 

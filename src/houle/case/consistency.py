@@ -5,14 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from houle.case import messages
+from houle.case.tables.observed import Observed
 
 if TYPE_CHECKING:
     from houle.case.model import Case
 
-PREFIXES = {  # of names
-    "porous": "porous-", "solid": "solid-", "sponge": "sponge-", "absorber": "absorber-", "gauge": "G",
-    "sensor": "P", "runup": "R", "overtopping": "O", "force": "F", "phreatic": "L", "flux": "Q",
-}  # fmt: skip
+PREFIXES = {"porous": "porous-", "solid": "solid-", "sponge": "sponge-", "absorber": "absorber-"}  # of names
+
+
+def prefixes(case: type[Observed]) -> dict[str, str]:
+    """The tables whose rows have names that must differ, and the prefix of those that are left out."""
+    return PREFIXES | {key: row.prefix for key, row in case.observed().items()}
+
 
 WEAK = 1e-3  # [m/s2] gravity that makes no waves worth the name
 
@@ -27,10 +31,6 @@ def disagreements(case: Case) -> list[str]:
                 found.append(
                     f"{place} has corners of {len(shape.box[0])} numbers, domain.size has {d}: give {d} everywhere"
                 )
-    for i, sensor in enumerate(case.sensor):
-        if len(sensor.at) != d:
-            place = messages.place(("sensor", i, "at"), case.__dict__)
-            found.append(f"{place} has {len(sensor.at)} numbers, domain.size has {d}: give {d}")
     if case.fluid.acceleration is not None and len(case.fluid.acceleration) != d:
         found.append(f"fluid.acceleration has {len(case.fluid.acceleration)} numbers, domain.size has {d}: give {d}")
     if case.fluid.gravity < WEAK and (need := [k for k in ("waves", "absorber", "open") if getattr(case, k)]):
@@ -40,24 +40,13 @@ def disagreements(case: Case) -> list[str]:
         )
     if case.waves is not None and case.waves.direction and d == 2:
         found.append(f"waves.direction = {case.waves.direction:g} degrees in 2D, where waves go along x: remove it")
-    for key in ("gauge", "phreatic"):
-        for i, row in enumerate(getattr(case, key)):
-            if (row.y is None) == (d == 3):
-                place = messages.place((key, i, "y"), case.__dict__)
-                found.append(f"{place} is {'missing in 3D: add y [m]' if d == 3 else 'given in 2D: remove it'}")
     for i, water in enumerate(case.water):
         if water.velocity is not None and len(water.velocity) != d:
             found.append(f"water[{i}].velocity has {len(water.velocity)} numbers, domain.size has {d}: give {d}")
     if len({row.side for row in case.open}) < len(case.open):
         found.append(f'open: the side "{case.open[0].side}" is given twice; put both into one table')
-    found += _unknown_bodies(case)
-    for i, force in enumerate(case.force):
-        place = messages.place(("force", i), case.__dict__)
-        if force.about is not None and len(force.about) != d:
-            found.append(f"{place}.about has {len(force.about)} numbers, domain.size has {d}: give {d}")
-        if d == 2 and force.side in ("front", "back"):
-            found.append(f'{place}.side = "{force.side}" exists in 3D only; this domain has two sizes')
-    for key in PREFIXES:
+    found += _observables_fit(case)
+    for key in prefixes(type(case)):
         names = [row.name for row in getattr(case, key)]
         found += [
             f"{key}: the name {n} is given twice; names must differ"
@@ -71,21 +60,15 @@ def disagreements(case: Case) -> list[str]:
     return found + _reflection_fits(case)
 
 
-def _unknown_bodies(case: Case) -> list[str]:
-    """Messages on names of bodies whose force or phreatic line is asked for."""
-    porous, solid = [b.name for b in case.porous], [b.name for b in case.solid]
-    wanted = [("force", i, f.body, porous + solid) for i, f in enumerate(case.force) if f.body is not None]
-    wanted += [("phreatic", i, p.body, porous) for i, p in enumerate(case.phreatic)]
-    found = []
-    for key, i, name, names in wanted:
-        what = f'{messages.place((key, i, "body"), case.__dict__)} = "{name}"'
-        if name not in names:
-            kind = "porous body" if key == "phreatic" else "porous body or solid"
-            there = f" There are: {', '.join(names)}" if names else f" The case has no {kind}"
-            found.append(f"{what} is the name of no {kind}.{messages.nearest(name, names)}{there}")
-        elif names.count(name) > 1:
-            found.append(f"{what} is the name of a porous body and of a solid: rename one of them")
-    return found
+def _observables_fit(case: Case) -> list[str]:
+    """Messages on tables of observables that contradict the rest of the case."""
+    bodies = {"porous": tuple(b.name for b in case.porous), "solid": tuple(b.name for b in case.solid)}
+    return [
+        f"{messages.place((key, i, *word.split()), case.__dict__)} {text}"
+        for key in case.observed()
+        for i, row in enumerate(getattr(case, key))
+        for word, text in row.disagreements(case.domain.dimension, bodies)
+    ]
 
 
 def _reflection_fits(case: Case) -> list[str]:

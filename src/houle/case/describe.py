@@ -1,18 +1,19 @@
 """What `houle describe TOPIC` prints: every choice the case file offers, in words, with its source.
 
-The words of a choice stand in its row (`houle.registry`), those of a quantity in `houle.fields`.
+The words of a choice stand in its row (`houle.registry`), those of a quantity with its observer (`houle.observe`).
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import inf
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from houle.fields import Field
 from houle.registry import choices
 
 Rows = Mapping[str, tuple[str, str]]
@@ -68,12 +69,24 @@ def numerics(console: Console) -> None:
     console.print(_rows("method", {k: row for k, row in OTHERS.items() if row[1] != "-"}))
 
 
+def everything_written() -> Iterator[Field]:
+    """Every quantity that a run can write: on particles, on the grid, over the plan, in the series."""
+    from houle.case.instruments import ALWAYS
+    from houle.case.model import Case
+    from houle.fields import TIME
+    from houle.observe import profile, snapshot
+    from houle.observe.observer import asked_by_tables
+
+    yield from (*snapshot.PARTICLES, *snapshot.FACES, *snapshot.CELLS, profile.ETA, TIME)
+    asked = asked_by_tables()
+    for observer in (*(asked[key] for key in Case.observed()), *ALWAYS):
+        yield from observer.fields
+
+
 def fields(console: Console) -> None:
     """Everything a run writes."""
-    from houle.fields import FIELDS
-
     table = _table("name", "symbol", "unit", "place", "what it is")
-    for f in FIELDS:
+    for f in everything_written():
         unit = f.unit + (f" (2D: {f.unit_2d})" if f.unit_2d else "")
         table.add_row(f.name, f.symbol, unit, f.place, escape(f.description))
     console.print(table)

@@ -102,12 +102,6 @@ def guess(key: str, value: Any, upper: float | None = None) -> str:
     return ""
 
 
-def metres(value: float, size: float) -> str:
-    """A guess at the unit of a position far outside a domain of this size [m]."""
-    units = ((0.01, "cm"), (0.001, "mm"))
-    return next((f" Were {u} given? Lengths are in m." for f, u in units if 10 * size < value <= size / f), "")
-
-
 def place(loc: Iterable[str | int], data: Any) -> str:
     """porous.dam.porosity, porous[0] for a body without a name, polygon[2][1] for a number in a list."""
     text = ""

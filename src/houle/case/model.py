@@ -15,13 +15,14 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic.fields import FieldInfo
 
 from houle.case import messages
-from houle.case.consistency import PREFIXES, disagreements
+from houle.case.consistency import disagreements, prefixes
 from houle.case.reading import find, override, plain, read_toml, to_toml
 from houle.case.tables.base import Table
 from houle.case.tables.control import Numerics, Output, Time
-from houle.case.tables.observed import Flux, Force, Gauge, Overtopping, Phreatic, RunUp, Sensor
+from houle.case.tables.observed import Observed, Row
 from houle.case.tables.results import Reference, Reflection
 from houle.case.tables.sides import Open
 from houle.case.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
@@ -32,8 +33,8 @@ from houle.registry import choices
 from houle.waves.wave import Wave
 
 
-class Case(Table):
-    """A case file of houle: waves and dam-break flow through porous structures. SI units throughout."""
+class Tank(Table):
+    """The tables of a case about the tank, the water and what moves it."""
 
     case: Head
     domain: Domain
@@ -48,18 +49,21 @@ class Case(Table):
     waves: Waves | None = None
     sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
     absorber: Annotated[tuple[Absorber, ...], Field(strict=False, description="walls that absorb waves")] = ()
-    gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
-    sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
-    runup: Annotated[tuple[RunUp, ...], Field(strict=False, description="run-up on slopes and walls")] = ()
-    overtopping: Annotated[tuple[Overtopping, ...], Field(strict=False, description="water over crests")] = ()
-    force: Annotated[tuple[Force, ...], Field(strict=False, description="forces on structures")] = ()
-    phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
-    flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
+
+
+class Course(Table):
+    """The tables of a case about the course of the run and what is made of its results."""
+
     time: Time
     numerics: Numerics = Numerics()
     output: Output = Output()
     reflection: Reflection | None = None
     reference: Reference | None = None
+
+
+class Case(Course, Observed, Tank):
+    """A case file of houle: waves and dam-break flow through porous structures. SI units throughout."""
+
     _path: Path | None = PrivateAttr(None)
 
     @model_validator(mode="before")
@@ -68,7 +72,7 @@ class Case(Table):
         if not isinstance(value, dict):
             return value
         value = dict(value)
-        for key, prefix in PREFIXES.items():
+        for key, prefix in prefixes(cls).items():
             rows = value.get(key)
             if isinstance(rows, (list, tuple)):
                 value[key] = [
@@ -141,6 +145,16 @@ class Case(Table):
     def hash(self) -> str:
         """16 hexadecimal digits of everything in the case, defaults included."""
         return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
+
+
+def observe(key: str, row: type[Row], description: str) -> None:
+    """Makes [[key]] a table of the case file, for an observable that houle does not have.
+
+    row  the table, like those of `houle.case.tables.observed`; an observer asks for it by its key
+    """
+    rows: Any = Annotated[tuple[row, ...], Field(strict=False, description=description)]  # type: ignore[valid-type]
+    Case.model_fields[key] = FieldInfo.from_annotated_attribute(rows, ())
+    Case.model_rebuild(force=True)
 
 
 def schema() -> dict[str, Any]:

@@ -15,12 +15,12 @@ from houle.boundary.open_side import NEAR, Record
 from houle.boundary.paddle import ROOM
 from houle.case.acting import MovingWall, moving_walls, reach
 from houle.case.build import history, records
-from houle.case.messages import metres, place
+from houle.case.messages import place
 from houle.case.section import CrossSection
 from houle.case.tables.sides import Open
 from houle.check.finding import Finding
 from houle.data.history import shortcomings
-from houle.errors import CaseError
+from houle.errors import CaseError, metres
 from houle.waves.dispersion import wave_number
 from houle.waves.wave import Wave
 

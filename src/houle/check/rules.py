@@ -16,7 +16,8 @@ import numpy as np
 import shapely
 
 from houle.case.build import viscous_step
-from houle.case.messages import guess, metres, place, several, show
+from houle.case.instruments import asked_for, site_of
+from houle.case.messages import guess, place, several
 from houle.case.model import Case
 from houle.case.reading import is_file
 from houle.case.section import CrossSection
@@ -24,7 +25,7 @@ from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.cost import memory_suffices
 from houle.check.finding import Finding
 from houle.check.waves import sponges_fit, waves_fit
-from houle.errors import CaseError
+from houle.errors import CaseError, metres
 from houle.flow.schemes import SCHEMES
 from houle.flow.setup import SHORTEST, WAVE_SHARE
 from houle.grid import axes
@@ -210,74 +211,13 @@ def spacing_divides(s: CrossSection) -> Iterator[Finding]:
             )
 
 
-def instruments(s: CrossSection) -> Iterator[Finding]:
-    """Gauges and sensors lie in the domain, sensors not in a solid."""
-    for i, gauge in enumerate(s.case.gauge):
-        key = place(("gauge", i), s.case.__dict__)
-        yield from _outside(s, f"{key}.x", gauge.x, 0)
-        if gauge.y is not None:
-            yield from _outside(s, f"{key}.y", gauge.y, 1)
-        z = s.grid.axis_points(s.case.dimension - 1)
-        line = np.stack([np.full_like(z, at) for at in (gauge.x, *([gauge.y] * (s.case.dimension - 2)))] + [z], axis=-1)
-        for solid in s.solid:
-            if np.all(solid.shape.distance(line.astype(float)) < 0):
-                yield Finding(
-                    "warning", f"{key}.x", f"= {gauge.x:g} lies in {solid.key}, floor to lid: it reads nothing"
-                )
-    for i, sensor in enumerate(s.case.sensor):
-        key = place(("sensor", i, "at"), s.case.__dict__)
-        for axis, value in enumerate(sensor.at):
-            yield from _outside(s, key, value, axis)
-        if inside := [b.key for b in s.solid if b.shape.distance(np.array(sensor.at)) < 0]:
-            yield Finding("error", key, f"= {show(sensor.at)} lies in {inside[0]}: move it into the water")
-
-
-def _outside(s: CrossSection, key: str, value: float, axis: int) -> Iterator[Finding]:
-    name, size = axes(s.case.dimension)[axis], s.case.domain.size[axis]
-    if not 0 <= value <= size:
-        hint = metres(value, size)
-        yield Finding("error", key, f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{hint}")
-
-
 def observables(s: CrossSection) -> Iterator[Finding]:
-    """Run-ups, crests, sections and phreatic lines lie in the domain, and where there is something to observe."""
-    case, h, size_x = s.case, s.grid.spacing[0], s.grid.size[0]
-    for i, runup in enumerate(case.runup):
-        key = place(("runup", i, "x"), case.__dict__)
-        for end in runup.x:
-            yield from _outside(s, key, end, 0)
-        if abs(runup.x[1] - runup.x[0]) < 2 * h:
-            text = f"= {show(runup.x)} is shorter than 2 spacings of {h:.3g} m: from the water to the crest or the wall"
-            yield Finding("error", key, text)
-    for kind in ("overtopping", "flux"):
-        for i, row in enumerate(getattr(case, kind)):
-            key = place((kind, i), case.__dict__)
-            yield from _outside(s, f"{key}.x", row.x, 0)
-            if kind == "overtopping":
-                levels, name = [] if row.level is None else [row.level], "level"
-                if case.domain.periodic[0]:
-                    text = 'cannot tell the side behind the crest where walls = {x = "periodic"}: observe a [[flux]]'
-                    yield Finding("error", key, text)
-                for side in case.open:
-                    if abs(row.x - (size_x if side.side == "right" else 0.0)) < h:
-                        text = f"= {row.x:g} lies within a spacing of {h:.3g} m of the open side {side.side!r}, where "
-                        yield Finding("error", f"{key}.x", text + "water comes and goes: move it inwards")
-            else:
-                levels, name = list(row.between or ()), "between"
-            for level in levels:
-                yield from _outside(s, f"{key}.{name}", level, case.dimension - 1)
-            if len(levels) == 2 and levels[0] >= levels[1]:
-                yield Finding("error", f"{key}.between", f"= {show(levels)} is empty: the lower level stands first")
-    for i, line in enumerate(case.phreatic):
-        key = place(("phreatic", i), case.__dict__)
-        body = next(b for b in s.porous if b.row.name == line.body)
-        low, high = (float(c[0]) for c in body.shape.bounds)
-        for x in line.x or ():
-            if not max(low, 0.0) <= x <= min(high, s.grid.size[0]):
-                text = f"= {x:g} lies beside {body.key}, {low:g} <= x <= {high:g} m.{metres(x, high)}"
-                yield Finding("error", f"{key}.x", text)
-        if line.y is not None:
-            yield from _outside(s, f"{key}.y", line.y, 1)
+    """What is observed lies in the tank, and where there is something to observe."""
+    site = site_of(s.case)
+    for key in s.case.observed():
+        for i, remark in asked_for(s.case, key, site).check():
+            where = ".".join(part for part in (place((key, i), s.case.__dict__), remark.key) if part)
+            yield Finding(remark.level, where, remark.text)
 
 
 def times(s: CrossSection) -> Iterator[Finding]:
@@ -351,7 +291,6 @@ CHECKS = (
     grid_resolves,
     thin_solids,
     spacing_divides,
-    instruments,
     observables,
     gates_fit,
     times,

@@ -18,7 +18,7 @@ from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, re
 from houle.boundary.sponge import sides
 from houle.case.acting import Reach, reach
 from houle.case.build import source_of
-from houle.case.messages import metres, place
+from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection
 from houle.case.tables.tank import Sponge
@@ -27,7 +27,7 @@ from houle.case.wave import read_record
 from houle.check.finding import Finding
 from houle.check.wave_theory import assess
 from houle.data.history import shortcomings
-from houle.errors import CaseError
+from houle.errors import CaseError, metres
 from houle.medium import shapes
 from houle.waves import record
 from houle.waves.dispersion import group_velocity

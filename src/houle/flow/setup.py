@@ -17,11 +17,11 @@ from houle.grid import Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import Shape
-from houle.observe import Observers
+from houle.observe.observer import Instruments
 from houle.waves.wave import Wave
 
 if TYPE_CHECKING:
-    from houle.flow.state import Flow
+    pass
 
 Make = Callable[[Grid, Medium, Particles], Boundary]  # of the grid of a flow, the medium, the water at the start
 
@@ -100,7 +100,7 @@ class Setup:
     no_slip     per axis, last up: whether the low and the high wall hold the water back along them
     settles     whether water beside upright interfaces is seeded as flow leaves it (`Medium`): not where gates stand
     boundaries  functions that make one boundary each, in this order
-    observe     function that places what is observed in a flow
+    instruments what is observed, one entry for each kind of instrument
     wave        the wave that is made, None without
     """
 
@@ -110,7 +110,7 @@ class Setup:
     fluid: Fluid
     numerics: Numerics
     time: TimeControl
-    observe: Callable[[Flow], Observers]
+    instruments: tuple[Instruments, ...]
     bodies: tuple[PorousBody, ...] = ()
     solids: tuple[Shape, ...] = ()
     no_slip: tuple[tuple[bool, bool], ...] | None = None

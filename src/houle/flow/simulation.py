@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from functools import cached_property
 from numbers import Real
 from typing import Any
 
@@ -17,8 +16,8 @@ from numpy.typing import NDArray
 from houle import _core
 from houle.errors import CaseError, SimulationError
 from houle.flow.budget import Budget
-from houle.flow.component import Component, State, raised, under
-from houle.flow.ledger import OPERATIONS, WORKS, Ledger
+from houle.flow.component import Component, State, under
+from houle.flow.ledger import Ledger
 from houle.flow.motion import begin
 from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS
@@ -26,17 +25,15 @@ from houle.flow.remeshing_schedule import Remeshing
 from houle.flow.rows import more_rows
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
-from houle.flow.snapshot import Snapshot
 from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
 from houle.flow.surface import arrange
 from houle.flow.transfer import TRANSFERS
-from houle.grid import FloatArray, axes
-from houle.medium.columns import Storage
 from houle.medium.medium import Medium
-from houle.observe import Profile, at_points
-from houle.observe.held import water_held
+from houle.observe.observer import Now, Observer, Sample
+from houle.observe.profile import Profile
+from houle.observe.snapshot import Snapshot, Snapshots
 from houle.waves.wave import Wave
 
 
@@ -58,8 +55,6 @@ class Simulation(Component):
 
     def _build(self, rows: int) -> None:
         """The flow as it starts, on so many rows of cells, arranged, and what observes it."""
-        for kept in ("_storage", "_profile"):
-            self.__dict__.pop(kept, None)
         setup, grid = self.setup, self.grid.lowest(rows)
         fluid, numerics = setup.fluid, setup.numerics
         self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=setup.settles)
@@ -76,7 +71,8 @@ class Simulation(Component):
         self.flow.particles.declare(*transfer.columns(grid.dimension))
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
         arrange(self.flow)
-        self.observers = setup.observe(self.flow)
+        self.observers: list[Observer[Any]] = [kind.place(self.flow) for kind in setup.instruments]
+        self.snapshots, self.profile = Snapshots(self.flow, self.grid, fluid.density), Profile(self.flow)
         self.budget = Budget(self.flow)
 
     @property
@@ -123,7 +119,8 @@ class Simulation(Component):
         try:
             self.step.advance(self.flow, dt, self.ledger)
             self.ledger.close()
-            self.observers.after_step(dt)
+            for observer in self.observers:
+                observer.after_step(dt)
             self.flow.time = stop if count == 1 else self.time + dt
             self.steps += 1
             self._check(largest)
@@ -184,91 +181,24 @@ class Simulation(Component):
 
     @property
     def lag(self) -> dict[str, float]:
-        """By how much of a step what sample() gives is older than `time`; names left out are of `time`."""
-        moving = ("velocity", "kinetic_energy", "max_speed", *(f"momentum_{axis}" for axis in "xyz"), *WORKS)
-        observed = self.observers.lag(self.step.velocity_lag, self.step.pressure_lag)
-        return {**observed, **dict.fromkeys(moving, self.step.velocity_lag)}
+        """By how much of a step each quantity of sample() is older than `time`."""
+        of = {"position": 0.0, "middle": 0.5, "velocity": self.step.velocity_lag, "pressure": self.step.pressure_lag}
+        return {field.name: of[field.instant] for observer in self.observers for field in observer.fields}
 
-    def sample(self) -> dict[str, FloatArray | float]:
-        """Gauges, sensors, what else the case observes, and the ledger now, as copies; names and units in fields.py."""
-        return {**self.observers.sample(), **self._ledger_row()}
-
-    def _ledger_row(self) -> dict[str, float]:
-        flow, ledger, rho = self.flow, self.ledger, self.setup.fluid.density
-        p, speed = flow.particles, flow.fastest
-        volume = p.total_volume
-        row = {
-            "volume": volume,
-            "volume_drift": self.volume_drift,
-            "mean_level": self._mean_level(),
-            "kinetic_energy": rho * ledger.kinetic,
-            "potential_energy": rho * self._potential_energy(),
-            "drag_work": rho * ledger.drag_work,
-            "viscous_work": rho * ledger.viscous_work,
-            "sponge_work": rho * ledger.sponge_work,
-            "source_work": rho * ledger.source_work,
-            "open_work": rho * ledger.open_work,
-            "inflow": float(ledger.inflow),
-            "outflow": float(ledger.outflow),
-            "max_speed": max(speed),
-            "courant": flow.crossed(speed) * self.step_size,
-            "step_size": self.step_size,
-            "particles": float(len(p)),
-        }
-        for a, axis in enumerate(axes(self.grid.dimension)):
-            row[f"momentum_{axis}"] = rho * _core.weighted_sum(flow.bulk, p.velocity, a)
-        for name in OPERATIONS:
-            row[f"energy_{name}"] = rho * ledger.energy[name]
-        for name in ("divergence", "pressure_iterations", "correction_iterations"):
-            row[name] = float(ledger.notes.get(name, 0.0))
-        return row
-
-    def _mean_level(self) -> float:
-        """The levels of the columns, and what those hold that have none: steep, overhanging, beside interfaces."""
-        return self._storage.mean_level(self.flow.eta, self.flow.boundaries.column_share, water_held(self.flow))
-
-    def _potential_energy(self) -> float:
-        """With waves that of the levels, which does not know how particles are packed; else that of the particles."""
-        *along, down = self.flow.gravity
-        if self.wave is None or any(along):
-            return self.ledger.potential
-        return -down * self._storage.height_moment(self.flow.eta, self.flow.boundaries.column_share)
-
-    @cached_property
-    def _storage(self) -> Storage:
-        return Storage.of(self.flow.grid, self.medium)
-
-    @cached_property
-    def _profile(self) -> Profile:
-        return Profile(self.flow)
+    def sample(self) -> Sample:
+        """What each observer observes now, as copies, by the names of its fields."""
+        now = Now(self.flow, self.ledger)
+        return {name: value for observer in self.observers for name, value in observer.sample(now).items()}
 
     def frame(self) -> Snapshot:
         """Everything the writers and the pictures need of this instant, as copies."""
-        flow, p, rho = self.flow, self.particles, self.setup.fluid.density
-        pressure, _ = at_points(flow, p.position)
-        centre = [0.5 * (np.delete(u, 0, axis=a) + np.delete(u, -1, axis=a)) for a, u in enumerate(flow.velocity)]
-        wet = flow.fill > 1e-3
-        dry = self.grid.shape[-1] - flow.grid.shape[-1]  # rows
-        velocity = [raised(np.where(wet, u, 0.0), dry) for u in centre]
-        return Snapshot(
-            time=self.time,
-            step=self.steps,
-            position=p.position.copy(),
-            velocity=p.velocity / flow.porosity[:, None],
-            volume=p.volume.copy(),
-            porosity=np.array(flow.porosity),
-            pressure=rho * pressure,
-            cell_pressure=raised(rho * flow.pressure, dry),
-            cell_fill=raised(flow.fill, dry),
-            cell_velocity=np.stack(velocity, axis=-1),
-            cell_porosity=raised(self.medium.porosity - 1.0, dry) + 1.0,
-            eta=self._profile.levels(flow).copy(),
-        )
+        return self.snapshots.take(self.time, self.steps, self.profile.levels())
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
     def parts(self) -> Mapping[str, Component]:
-        return {"flow": self.flow, "step": self.step, "ledger": self.ledger, "observers": self.observers}
+        observers = {f"observers/{observer.dimension}": observer for observer in self.observers}
+        return {"flow": self.flow, "step": self.step, "ledger": self.ledger, **observers}
 
     def state(self) -> State:
         return {**super().state(), "steps": np.array(self.steps)}
@@ -277,14 +207,16 @@ class Simulation(Component):
         """Goes on from a `state` of the same setup, bitwise as if it had never stopped."""
         rows = state["flow/pressure"].shape[-1]
         if rows != self.flow.grid.shape[-1]:
-            del self.flow, self.medium, self.step, self.observers, self.ledger.flow  # first, for the memory
+            del self.flow, self.medium, self.step, self.ledger.flow  # first, for the memory
+            del self.observers, self.snapshots, self.profile
             self._build(rows)
             self.ledger.flow = self.flow
         self.steps = int(state["steps"])
         self.flow.restore(under("flow", state))
         arrange(self.flow)  # the ledger sums the energy of the particles in this order
-        for name in ("step", "ledger", "observers"):
-            self.parts()[name].restore(under(name, state))
+        for name, part in self.parts().items():
+            if part is not self.flow:
+                part.restore(under(name, state))
 
 
 def _set_off(water: Iterable[Water], particles: Particles) -> None:

@@ -1,21 +1,117 @@
-"""Levels of the water: gauges of the free surface, and the phreatic line, the level in the pores of a structure."""
+"""Levels of the water in columns of cells, and what of the solids stands in their way.
+
+    around, mean_of_known   from the columns of the grid to a place between them
+    wet_share               how much of each cell is under water
+    SolidsAt                the solids on the upright lines at places in plan
+    Columns                 levels of columns of cells, beside, under and on solids
+
+What solids have to do with it is exact for polygons, and found once, before the run.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from houle.flow.state import Flow
-from houle.grid import FloatArray
-from houle.medium.plate_sides import behind_plates, on_their_side
-from houle.medium.shapes import Shape
-from houle.medium.thin_solids import Thickened
-from houle.observe.profile import Indices, SolidsAt, around, body_levels, mean_of_known
+from houle.grid import FloatArray, Grid
+from houle.medium.integrals import edges
+from houle.medium.medium import Medium
+from houle.medium.sections import partition
+from houle.medium.shapes import spans_inside
 
+Indices = NDArray[np.intp]
+Plan = tuple[slice | Indices, ...] | Indices  # which columns of cells, by index in plan
+
+BESIDE = 1e-6  # [cells] what is solid on both sides of a line, so near, is so on the line
 THIN = 0.25  # cells of water on a solid that are not taken for its level: less than a layer of particles
 CLEAR = 2.0  # cells of water on a solid from which on the cells show its surface exactly
+
+
+def around(points: FloatArray, grid: Grid) -> tuple[Indices, FloatArray]:
+    """The 2^k cell centres around each of the points (N, k) in the first k axes: flat numbers over those axes, weights.
+
+    Both (N, 2^k); linear. Beyond the outermost centres the outermost one counts; periodic axes wrap.
+    """
+    points = np.asarray(points, float)
+    index, weight = np.zeros((len(points), 1), np.intp), np.ones((len(points), 1))
+    for a in range(points.shape[1]):
+        n, s = grid.shape[a], points[:, a] / grid.spacing[a] - 0.5
+        low = np.floor(s).astype(np.intp)
+        both = low[:, None] + np.array([0, 1])
+        both = both % n if grid.periodic[a] else np.clip(both, 0, n - 1)
+        share = np.stack([1.0 - (s - low), s - low], axis=1)
+        index = (index[:, :, None] * n + both[:, None, :]).reshape(len(points), 2 << a)
+        weight = (weight[:, :, None] * share[:, None, :]).reshape(len(points), 2 << a)
+    return index, weight
+
+
+def mean_of_known(values: FloatArray, weight: FloatArray) -> FloatArray:
+    """Weighted mean (N,) of the values (N, K) that are numbers; NaN where they weigh less than half."""
+    known = np.isfinite(values)
+    share = np.where(known, weight, 0.0)
+    total = share.sum(axis=1)
+    found = np.where(known, values, 0.0)
+    return np.where(total >= 0.5, (share * found).sum(axis=1) / np.maximum(total, 0.5), np.nan)
+
+
+def wet_share(flow: Flow, columns: Plan) -> FloatArray:
+    """Share of each cell that is under water, from its bottom up, in some columns (..., nz).
+
+    Cells between the water and a surface tell by their depth; those deeper are wet, however the particles lie in them.
+    """
+    kind, opened = flow.medium.listed("open_cells")
+    active, open_ = flow.active[columns] > 0, opened[kind[columns]] > 0.0
+    covered = np.ones(active.shape, bool)
+    covered[..., :-1] = active[..., 1:] | ~open_[..., 1:]
+    return np.where(active & covered, 1.0, np.clip(flow.depth[columns] + 0.5, 0.0, 1.0))
+
+
+def layer_at(spans: Sequence[tuple[float, float]], y: float) -> int:
+    """The number of the layer that holds y [m]; 0 in 2D."""
+    return next((i for i, (low, high) in enumerate(spans) if low <= y <= high), 0)
+
+
+def crossings(area: shapely.Geometry, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest z [m] of the area on the upright lines at x (N,) [m]; NaN where it is not."""
+    low, high = np.full(len(x), np.inf), np.full(len(x), -np.inf)
+    for (x0, z0), (x1, z1) in edges(area, (1.0, 1.0)):
+        hit = (x >= min(x0, x1)) & (x <= max(x0, x1))
+        if x0 == x1:
+            ends = np.full((2, int(hit.sum())), [[min(z0, z1)], [max(z0, z1)]])
+        else:
+            ends = np.stack([z0 + (x[hit] - x0) / (x1 - x0) * (z1 - z0)] * 2)
+        low[hit], high[hit] = np.minimum(low[hit], ends[0]), np.maximum(high[hit], ends[1])
+    return np.where(low <= high, low, np.nan), np.where(low <= high, high, np.nan)
+
+
+class SolidsAt:
+    """The solids on upright lines at places (N, d - 1) in plan: number (K,) of the line, low and high (K,) ends [m].
+
+    From the lowest up. A line along the face of a solid is outside. hangs (K,): whether there is room below.
+    """
+
+    def __init__(self, grid: Grid, medium: Medium, places: FloatArray) -> None:
+        parts = partition(grid, medium.bodies, medium.solids)
+        spans, margin = [span for span, _, _ in parts], BESIDE * grid.spacing[0]
+        layer = np.array([layer_at(spans, p[1]) if len(p) == 2 else 0 for p in places], int)
+        found: list[tuple[int, float, float]] = []
+        for i in np.unique(layer):
+            solid, here = parts[i][1], np.flatnonzero(layer == i)
+            for x in [] if solid.is_empty else np.unique(places[here, 0]):
+                left, right = (spans_inside(solid, x + side * margin) for side in (-1, 1))
+                both = [(max(a, c), min(b, d)) for a, b in left for c, d in right if max(a, c) < min(b, d)]
+                found += [(int(n), a, b) for n in here[places[here, 0] == x] for a, b in both]
+        rows = np.array(found).reshape(-1, 3)
+        self.number, self.low, self.high = rows[:, 0].astype(int), rows[:, 1], rows[:, 2]
+        self.hangs = self.low > 0.0
+
+    def holds(self, level: FloatArray) -> NDArray[np.bool_]:
+        """Which of the solids (K,) the levels (N,) lie inside."""
+        return (level[self.number] > self.low) & (level[self.number] < self.high)
 
 
 class Columns:
@@ -35,7 +131,7 @@ class Columns:
 
     def levels(self, flow: Flow) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
         """Levels (C,) [m], NaN where dry; which (C,) are confined; which lie in a solid that stands on the floor."""
-        level = self.ponds.raise_(flow, flow.eta.ravel()[self.number])
+        level = self.ponds.levels(flow, flow.eta.ravel()[self.number])
         confined, buried = np.zeros((2, len(level)), bool)
         inside = self.solids.holds(level)
         for solids, found in ((inside & self.solids.hangs, confined), (inside & ~self.solids.hangs, buried)):
@@ -61,7 +157,7 @@ class Ponds:
         self.height = h * np.minimum(room / whole, over)  # of the water on the solid in each tent when it is full
         self.below, self.thin = k < floor, THIN * h
 
-    def raise_(self, flow: Flow, level: FloatArray) -> FloatArray:
+    def levels(self, flow: Flow, level: FloatArray) -> FloatArray:
         """The levels (C,) [m], those under a pond replaced by its own, in a new array."""
         found = level.copy()
         if len(self.at) == 0:
@@ -77,77 +173,7 @@ class Ponds:
         return found
 
 
-class Gauges:
-    """Level of the free surface [m] above z = 0 at places in plan (N, d - 1), linear between columns; NaN when dry.
-
-    A level is where water is, never inside a solid: under one whose room below is full it is the underside, where
-    water stands on it the level of that. Water that is confined beside a place has no level there, nor has water behind
-    a plate.
-    """
-
-    def __init__(self, flow: Flow, places: Sequence[Sequence[float]]) -> None:
-        points = np.array(places, float).reshape(-1, flow.grid.dimension - 1)
-        points = _beside_plates(flow, points)
-        column, self.weight = around(points, flow.grid)
-        number, at = np.unique(column, return_inverse=True)
-        self.columns, self.at = Columns(flow, number), at.reshape(column.shape)
-        self.solids = SolidsAt(flow.grid, flow.medium, points)
-        self.hidden, self.spacing = _hidden(flow, points, column), flow.grid.spacing[-1]
-
-    def levels(self, flow: Flow) -> FloatArray:
-        level, confined, _ = self.columns.levels(flow)
-        level, confined = level[self.at], confined[self.at] | self._behind(level[self.at])
-        free = np.where(confined, 0.0, self.weight)
-        share = free.sum(axis=1, keepdims=True)
-        left_out = confined.any(axis=1, keepdims=True) & (share > 0.0)
-        found = mean_of_known(level, np.where(left_out, free / np.where(left_out, share, 1.0), self.weight))
-        return outside(self.solids, found, level, self.weight)
-
-    def _behind(self, level: FloatArray) -> NDArray[np.bool_]:
-        """Which of the columns (N, K) around have their level [m] behind a plate."""
-        row = np.clip(np.nan_to_num(level) // self.spacing, 0, self.hidden.shape[2] - 1).astype(np.intp)
-        return np.take_along_axis(self.hidden, row[..., None], axis=2)[..., 0]
-
-
-def _hidden(flow: Flow, places: FloatArray, column: Indices) -> NDArray[np.bool_]:
-    """Whether a thin solid stands between places (N, d - 1) and columns (N, K) around them, in each row: (N, K, nz)."""
-    grid, d, nz, (n, k) = flow.grid, flow.grid.dimension, flow.grid.shape[-1], column.shape
-    there = np.swapaxes(grid.points().reshape(-1, nz, d)[column], 1, 2)  # (N, nz, K, d)
-    here = np.concatenate([np.repeat(places[:, None], nz, axis=1), there[:, :, 0, -1:]], axis=2)
-    found = behind_plates(grid, flow.medium.solids, here.reshape(-1, d), there.reshape(-1, k, d))
-    return np.swapaxes(found.reshape(n, nz, k), 1, 2)
-
-
-def _beside_plates(flow: Flow, places: FloatArray) -> FloatArray:
-    """The places (N, d - 1) in plan; those in cells that a thin solid divides moved to the water on their side of it,
-    which is told halfway up these cells.
-    """
-    found = places.copy()
-    for solid in flow.medium.solids:
-        if not isinstance(solid, Thickened):
-            continue
-        ends = np.array([cell.bounds for cell in solid.windows.parts])  # lower and upper corners
-        for i, place in enumerate(places):
-            over = ((ends[:, 0, :-1] <= place) & (place <= ends[:, 1, :-1])).all(axis=1)
-            if over.any():
-                height = np.sort(ends[over, :, -1].mean(axis=1))[over.sum() // 2]
-                found[i] = on_their_side(flow.grid, [solid], np.array([[*place, height]]))[0, :-1]
-    return found
-
-
-class Profile:
-    """Level (columns) [m] at the centres of all columns of cells, as that of gauges there."""
-
-    def __init__(self, flow: Flow) -> None:
-        self.columns = Columns(flow, np.arange(flow.eta.size))
-
-    def levels(self, flow: Flow) -> FloatArray:
-        level, _, buried = self.columns.levels(flow)
-        level[buried] = np.nan
-        return level.reshape(flow.eta.shape)
-
-
-def outside(solids: SolidsAt, level: FloatArray, columns: FloatArray, weight: FloatArray) -> FloatArray:
+def out_of_solids(solids: SolidsAt, level: FloatArray, columns: FloatArray, weight: FloatArray) -> FloatArray:
     """The levels (N,), those inside a solid moved to where the water is.
 
     If most of the columns (N, K) around, by their weights, stand higher than the solid, on it; else the water is
@@ -159,46 +185,3 @@ def outside(solids: SolidsAt, level: FloatArray, columns: FloatArray, weight: Fl
     below = np.where(solids.hangs[inside], solids.low[inside], np.nan)
     found[n] = np.where(np.isnan(on_top), below, on_top)
     return found
-
-
-class Phreatic:
-    """Level [m] of the water in the pores of a body at places in plan (N, d - 1); NaN where they are dry.
-
-    It is the first surface met on the way up, so that water which runs over a dry core is not taken for a full one,
-    and no higher than the body, nor inside a solid.
-    """
-
-    def __init__(self, flow: Flow, shape: Shape, places: FloatArray) -> None:
-        grid, medium = flow.grid, flow.medium
-        column, self.weight = around(places, grid)
-        self.columns, self.number = np.unique(column, return_inverse=True)
-        self.number = self.number.reshape(column.shape)
-        self.closed = medium.open_cells.reshape(-1, grid.shape[-1])[self.columns] == 0.0
-        self.bottom, self.top = body_levels(grid, medium, shape, places)
-        self.solids = SolidsAt(grid, medium, places)
-
-    def levels(self, flow: Flow) -> FloatArray:
-        depth = flow.depth.reshape(-1, flow.grid.shape[-1])[self.columns]
-        columns = first_surface(depth, self.closed, flow.grid.spacing[-1])[self.number]
-        level = outside(self.solids, mean_of_known(columns, self.weight), columns, self.weight)
-        with np.errstate(invalid="ignore"):
-            return np.where(level > self.bottom, np.minimum(level, self.top), np.nan)
-
-
-def first_surface(depth: FloatArray, closed: NDArray[np.bool_], h: float) -> FloatArray:
-    """Level (N,) [m] of the lowest free surface of columns (N, nz), NaN where dry.
-
-    depth: of the cell centres below the surface, in cells (theory, eq. (8)). Closed cells are passed; where the cells
-    under one are full the water is confined by it, and its level is their upper end.
-    """
-    rows, nz = np.arange(len(depth)), depth.shape[1]
-    dry = (depth < 0.0) & ~closed
-    first = np.where(dry.any(axis=1), dry.argmax(axis=1), nz)
-    above = depth[rows, np.minimum(first, nz - 1)]
-    last = np.where(~closed & (np.arange(nz) < first[:, None]), np.arange(nz), -1).max(axis=1)  # open cell below it
-    below = depth[rows, last]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        between = first - 0.5 + below / (below - above)
-    low = np.where(above > -0.5 + 1e-6, first + 0.5 + above, np.nan)  # less than half of the first cell
-    confined = last + 1.0  # under closed cells
-    return h * np.where(last < 0, low, np.where(last == first - 1, np.where(first == nz, nz, between), confined))

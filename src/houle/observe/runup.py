@@ -1,17 +1,85 @@
-"""Run-up: where the water that is connected with the sea ends on a slope or at a wall."""
+"""[[runup]]: run-up, where the water that is connected with the sea ends on a slope or at a wall."""
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
+import numpy as np
+import shapely
+
+from houle.fields import LEVEL, Field
 from houle.flow.state import Flow
-from houle.grid import FloatArray
-from houle.observe.profile import ground
+from houle.grid import FloatArray, Grid
+from houle.medium.medium import Medium
+from houle.medium.sections import partition
+from houle.observe.levels import crossings, layer_at
+from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, outside
 
 PARTS = 16  # of a cell, in which the profile of the slope is known
 
 
-class RunUp:
+@dataclass(frozen=True)
+class RunUp(Instrument):
+    """A stretch of slope from x in the water to x at the crest or the wall [m].
+
+    threshold  thickness of water that is not counted [m]; half a spacing when left out
+    """
+
+    name: str
+    x: tuple[float, float]
+    threshold: float | None = None
+
+    def check(self, site: Site) -> Iterator[Remark]:
+        """The stretch lies in the tank and has columns of cells in it."""
+        h = site.grid.spacing[0]
+        for end in self.x:
+            yield from outside(site, "x", end, 0)
+        if abs(self.x[1] - self.x[0]) < 2 * h:
+            text = f"= {list(self.x)} is shorter than 2 spacings of {h:.3g} m: from the water to the crest or the wall"
+            yield Remark("error", "x", text)
+
+
+class RunUps(Observer[RunUp]):
+    """Where the connected water ends on each stretch, and at which level."""
+
+    table = "runup"
+    instrument = RunUp
+    fields = (
+        Field(
+            "runup_x",
+            "x_R",
+            "m",
+            "runup",
+            "position along x of the end of the connected water on the slope, not a number where the slope is dry",
+        ),
+        Field(
+            "runup_level",
+            "R",
+            "m",
+            "runup",
+            "level above the datum z = 0 of the end of the connected water on the slope, not a number where it is dry",
+            standard_name=LEVEL,
+        ),
+    )
+
+    def __init__(self, instruments: Sequence[RunUp], site: Site, flow: Flow) -> None:
+        self.tips = [Tip(flow, one.x, one.threshold or 0.5 * flow.grid.spacing[0]) for one in instruments]
+
+    @classmethod
+    def stations(cls, instruments: Sequence[RunUp], site: Site) -> Stations:
+        ends = {
+            "from": ("end of the stretch of slope in the water", [one.x[0] for one in instruments]),
+            "to": ("end of the stretch of slope at the crest or the wall", [one.x[1] for one in instruments]),
+        }
+        return Stations([one.name for one in instruments], ends, cls.fields)
+
+    def sample(self, now: Now) -> Sample:
+        x, level = np.array([tip.find(now.flow) for tip in self.tips]).T
+        return {"runup_x": x.copy(), "runup_level": level.copy()}
+
+
+class Tip:
     """The tip (x, level) [m] of the water between `ends` = (x in the water, x up the slope), NaN when the first is dry.
 
     From the seaward end the columns are followed as long as the water above solids and porous bodies is thicker than
@@ -35,7 +103,8 @@ class RunUp:
         k = np.ceil(self.bed / grid.spacing[-1] - 1e-9).astype(int)
         self.films = np.minimum(k[..., None] + np.arange(3), nz - 1)  # cells just above the ground (rows, N, 3)
 
-    def tip(self, flow: Flow) -> tuple[float, float]:
+    def find(self, flow: Flow) -> tuple[float, float]:
+        """The tip (x, level) [m] in the present flow."""
         n = len(self.x)
         level = self._levels(flow)
         wet = level - self.bed > self.threshold
@@ -71,3 +140,16 @@ class RunUp:
         film = flow.grid.spacing[-1] * np.take_along_axis(fill, self.films, axis=2).sum(axis=2)
         with np.errstate(invalid="ignore"):
             return np.where(eta > self.bed, eta, self.bed + film)  # a sheet of water over dry pores
+
+
+def ground(grid: Grid, medium: Medium, x: FloatArray) -> FloatArray:
+    """Level (rows, N) [m] on which the water stands at x (N,): top of solids and porous bodies, 0 on the floor.
+
+    One row per cell in y, one in 2D.
+    """
+    parts = partition(grid, medium.bodies, medium.solids)
+    tops = [np.nan_to_num(crossings(shapely.union_all([solid, *areas]), x)[1]) for _, solid, areas in parts]
+    if grid.dimension == 2:
+        return tops[0][None]
+    spans = [span for span, _, _ in parts]
+    return np.stack([tops[layer_at(spans, y)] for y in grid.axis_points(1)])

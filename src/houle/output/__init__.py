@@ -2,7 +2,7 @@
 
 For the runner (every failure of the file system is an OutputError: one message with path and cure):
 
-    out = Outputs(directory, case, grid)   writes nothing yet; case: .gauge, .sensor, .case, .hash
+    out = Outputs(directory, grid, stations, about)   writes nothing yet; stations: of what is observed; about(case)
     out.truncate_after(time, row)          to resume: go on with the files there, what is after those times is dropped;
                                            returns what is lost of them, in words
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
@@ -38,13 +38,13 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
-from houle.observe import stations
+from houle.observe.observer import Stations
+from houle.observe.snapshot import Snapshot
 from houle.output.atomic import OutputError
 from houle.output.checkpoint import Checkpoint, checkpoints, load_newest, save_checkpoint
 from houle.output.fields import FieldsReader, FieldsWriter, read_fields
-from houle.output.manifest import collect, read_manifest, summarise, write_manifest
+from houle.output.manifest import about, collect, read_manifest, summarise, write_manifest
 from houle.output.netcdf import Table
 from houle.output.series import SeriesWriter, read_series, series_table
 from houle.output.surface import SurfaceWriter, read_surface, surface_table
@@ -58,6 +58,7 @@ __all__ = [
     "SeriesWriter",
     "SurfaceWriter",
     "Table",
+    "about",
     "checkpoints",
     "collect",
     "load_newest",
@@ -76,14 +77,14 @@ __all__ = [
 class Outputs:
     """The files of a run that grow: series.nc, surface.nc, fields.vtkhdf."""
 
-    def __init__(self, directory: Path | str, case: Any, grid: Grid) -> None:
+    def __init__(
+        self, directory: Path | str, grid: Grid, stations: Sequence[Stations], attributes: Mapping[str, str]
+    ) -> None:
+        """stations: of what is observed, for the series; attributes: global ones, what made the files (`about`)."""
         folder = Path(directory)
-        about = _about(case)
-        gauges = [(gauge.name, _plan(gauge, grid.dimension)) for gauge in case.gauge]
-        sensors = [(sensor.name, tuple(sensor.at)) for sensor in case.sensor]
-        self.series = SeriesWriter(folder, gauges, sensors, grid.dimension, about, stations(case, grid))
-        self.surface = SurfaceWriter(folder, grid, about)
-        self.fields = FieldsWriter(folder, grid, about)
+        self.series = SeriesWriter(folder, grid.dimension, stations, attributes)
+        self.surface = SurfaceWriter(folder, grid, attributes)
+        self.fields = FieldsWriter(folder, grid, attributes)
         self._committed = clock.monotonic()
 
     def append_series(self, time: float, sample: Mapping[str, Any]) -> None:
@@ -131,19 +132,3 @@ class Outputs:
             *self.surface.truncate_after(last, self.surface.blank, hashes),
             *self.fields.truncate_after(time, frames, hashes),
         ]
-
-
-def _about(case: Any) -> dict[str, str]:
-    """Global attributes: what made the file."""
-    import houle
-
-    return {
-        "title": case.case.title or case.case.name,
-        "source": f"houle {houle.__version__}",
-        "case": case.case.name,
-        "case_hash": case.hash,
-    }
-
-
-def _plan(gauge: Any, dimension: int) -> tuple[float, ...]:
-    return (gauge.x,) if dimension == 2 else (gauge.x, gauge.y)

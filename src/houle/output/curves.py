@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from houle.data.laboratory import Data
-from houle.fields import OPERATIONS
+from houle.flow.ledger import OPERATIONS
 from houle.grid import FloatArray, Grid, axes
 from houle.output import drawing
 from houle.output.drawing import FAINT, LINES, headings, label, label_ends, sheet

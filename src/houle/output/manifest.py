@@ -16,16 +16,29 @@ from typing import Any
 
 import numpy as np
 
+from houle.case.model import Case
 from houle.output.atomic import OutputError, regular, write_text
 
 NAME = "run.json"
 PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matplotlib")
 
 
-def collect(case: Any, threads: int | None) -> dict[str, Any]:
+def about(case: Case) -> dict[str, str]:
+    """The global attributes of every file of results: what made it."""
+    import houle
+
+    return {
+        "title": case.case.title or case.case.name,
+        "source": f"houle {houle.__version__}",
+        "case": case.case.name,
+        "case_hash": case.hash,
+    }
+
+
+def collect(case: Case, threads: int | None) -> dict[str, Any]:
     """The manifest at the start of a run: case (name, title, hash, text), houle and its build, machine, packages, time.
 
-    case needs .case.name, .case.title, .hash and .to_toml(); `finished` is False until `summarise`.
+    `finished` is False until `summarise`.
     """
     import houle
 

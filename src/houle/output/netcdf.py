@@ -16,12 +16,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from houle import fields
 from houle.output.atomic import DAMAGES, OutputError, Sink, told
 
 if TYPE_CHECKING:
     import xarray
 
-TIME = "time"
+TIME = fields.TIME.name
 PIECE = 1 << 20  # values that are copied at a time
 COMPRESSED = 1000  # values, from which on a variable is worth it
 NOT_OF_A_RUN = "is this the folder of a run?"
@@ -58,6 +59,11 @@ class Table(Mapping[str, Variable]):
     def sizes(self) -> dict[str, int]:
         """Length of each dimension."""
         return {d: n for v in self.values() for d, n in zip(v.dims, v.values.shape, strict=True)}
+
+
+def times(values: NDArray) -> Variable:
+    """The coordinate of the rows of a table that grows: their times (N,) [s]."""
+    return Variable((TIME,), values, fields.TIME.attributes(3))
 
 
 def fill(path: Path, table: Table, grows: bool = False) -> None:

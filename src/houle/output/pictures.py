@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from houle.case.model import Case
 from houle.data import laboratory
 from houle.data.laboratory import Data
-from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
+from houle.observe.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
 from houle.output.drawing import LABORATORY, SHADE, WATER, colour_bar, headings, sheet

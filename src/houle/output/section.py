@@ -23,11 +23,11 @@ from matplotlib.path import Path as Outline
 from houle.case.acting import Band, acting, walls_at_rest
 from houle.case.model import Case
 from houle.case.section import CrossSection, Entry
-from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray
 from houle.medium.sections import Span
 from houle.medium.shapes import polygons
 from houle.medium.thin_solids import at_width
+from houle.observe.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.drawing import FAINT, GREY, INK, PALE, SHADE, SMALL, SOLID, STONE, STONE_LINE, WATER, Sheet, sheet
 from houle.output.labels import apart, leader, near_points, title

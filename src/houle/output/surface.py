@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.fields import find
-from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
+from houle.observe.profile import ETA
+from houle.observe.snapshot import Snapshot
 from houle.output import netcdf
 from houle.output.growing import Growing
-from houle.output.netcdf import TIME, Table, Variable
-from houle.output.series import describe
+from houle.output.netcdf import TIME, Table, Variable, times
 
 if TYPE_CHECKING:
     import xarray
@@ -32,20 +31,24 @@ class SurfaceWriter(Growing):
 
     def append(self, frame: Snapshot) -> None:
         """One profile."""
-        self.add(frame.time, {"eta": np.asarray(frame.eta, dtype=float).T})
+        self.add(frame.time, {ETA.name: np.asarray(frame.eta, dtype=float).T})
 
     @property
     def blank(self) -> dict[str, NDArray]:
         """A row without water, to tell whether a file holds such rows."""
-        return {"eta": np.zeros(self.grid.shape[:-1]).T}
+        return {ETA.name: np.zeros(self.grid.shape[:-1]).T}
 
     def table_of(self, columns: Mapping[str, NDArray]) -> Table:
         d, plan = self.grid.dimension, ("y", "x")[3 - self.grid.dimension :]
-        coordinates = {TIME: Variable((TIME,), columns[TIME], describe(find(TIME), d))}
+        coordinates = {TIME: times(columns[TIME])}
         for axis, name in enumerate(plan[::-1]):
-            attributes = {"units": "m", "long_name": f"{name} of the cell centres", "axis": name.upper()}
+            attributes = {
+                "units": "m",
+                "long_name": f"position of cell centres along {name}",
+                "axis": name.upper(),
+            }
             coordinates[name] = Variable((name,), self.grid.axis_points(axis), attributes)
-        variables = {"eta": Variable((TIME, *plan), columns["eta"], describe(find("eta", "surface"), d))}
+        variables = {ETA.name: Variable((TIME, *plan), columns[ETA.name], ETA.attributes(d))}
         return Table(variables, coordinates, self.attributes)
 
 

@@ -21,11 +21,9 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.fields import Field, at, find
-from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
+from houle.observe.snapshot import CELLS, PARTICLES, Snapshot
 from houle.output.atomic import DAMAGES, new_hdf5, regular
-from houle.output.series import describe
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie
 PIECE = 1 << 20  # numbers that are written at a time
@@ -37,10 +35,10 @@ POINTS = "VTKHDF/particles/Points"
 POINT_DATA = "VTKHDF/particles/PointData"
 CELL_DATA = "VTKHDF/grid/CellData"
 Kind = tuple[tuple[int, ...], np.dtype]
-POINT_NAMES = tuple(field.name for field in at("particle") if field.name != "position")
-CELL_NAMES = tuple(field.name for field in at("centre"))
-ARRAYS = (POINTS, *(f"{POINT_DATA}/{name}" for name in POINT_NAMES), *(f"{CELL_DATA}/{name}" for name in CELL_NAMES))
-
+FIELDS = {POINTS if field.name == "position" else f"{POINT_DATA}/{field.name}": field for field in PARTICLES} | {
+    f"{CELL_DATA}/{field.name}": field for field in CELLS
+}
+ARRAYS = tuple(FIELDS)
 
 Chunks = list[tuple[tuple[int, ...], bytes]]  # where a chunk begins in its array, and its compressed bytes
 
@@ -115,7 +113,7 @@ def assemble(path: Path, frames: Sequence[Stored], grid: Grid, attributes: Mappi
                 dataset = _create(file, name, shape, dtype, len(frames))
             else:
                 dataset = _refer(file, name, (shape, dtype), frames, starts)
-            dataset.attrs.update(describe(_field(name), grid.dimension))
+            dataset.attrs.update(FIELDS[name].attributes(grid.dimension))
         if packed:
             _copy(file, frames, starts)
 
@@ -130,7 +128,7 @@ def read_values(file: h5py.File, stored: Stored, dimension: int) -> dict[str, Fl
             values = _from_image(dataset[stored.index if stored.steps > 1 else ...], dimension)
         else:
             values = dataset[stored.row : stored.row + stored.count]
-        result[name] = (values[..., keep] if _field(name).vector else values).astype(float)
+        result[name] = (values[..., keep] if FIELDS[name].vector else values).astype(float)
     return result
 
 
@@ -169,7 +167,7 @@ def which_are_whole(path: Path, grid: Grid, hashes: Collection[str] = ()) -> lis
 
 def _check_shape(dataset: h5py.Dataset, name: str, grid: Grid, frames: Sequence[Stored]) -> None:
     """Raises ValueError where a dataset is not what houle writes, before memory is taken for it."""
-    field, steps = _field(name), len(frames)
+    field, steps = FIELDS[name], len(frames)
     tail = (3,) if field.vector else ()
     if "/particles/" in name:
         wanted: tuple[int, ...] = (frames[0].rows if frames else 0, *tail)
@@ -196,22 +194,16 @@ def _is_whole(file: h5py.File, frame: Stored, grid: Grid) -> bool:
     return True
 
 
-def _field(name: str) -> Field:
-    block, last = name.split("/")[1], name.split("/")[-1]
-    return find("position" if last == "Points" else last, "particle" if block == "particles" else "centre")
-
-
 def _arrays(frame: Snapshot) -> dict[str, NDArray[np.float32]]:
     """What a part holds: particles (N,) or (N, 3), cells (nz, ny, nx) or (nz, ny, nx, 3)."""
-    result = {POINTS: _spatial(frame.position)}
-    for name in POINT_NAMES:
-        values = getattr(frame, name)
-        result[f"{POINT_DATA}/{name}"] = _spatial(values) if values.ndim == 2 else values.astype(np.float32)
-    dimension = frame.position.shape[1]
-    for name in CELL_NAMES:
-        values = getattr(frame, f"cell_{name}")
-        values = _spatial(values) if values.ndim > dimension else values.astype(np.float32)
-        result[f"{CELL_DATA}/{name}"] = _to_image(values, dimension)
+    result, dimension = {}, frame.position.shape[1]
+    for name, field in FIELDS.items():
+        if field.place == "particle":
+            values = getattr(frame, field.name)
+            result[name] = _spatial(values) if field.vector else values.astype(np.float32)
+        else:
+            values = getattr(frame, f"cell_{field.name}")
+            result[name] = _to_image(_spatial(values) if field.vector else values.astype(np.float32), dimension)
     return result
 
 

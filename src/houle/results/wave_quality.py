@@ -17,7 +17,6 @@ import numpy as np
 from houle import analysis
 from houle.case.model import Case, load
 from houle.errors import HouleError
-from houle.observe import levels_at
 from houle.output.atomic import write_text
 from houle.results.reflection import Flume, first_harmonic, wave_of
 
@@ -98,19 +97,16 @@ def empty_flume(case: Case) -> Case:
         "case": {"name": "twin", "title": "the flume without structure"},
         "domain": {**data["domain"], "size": [round(float(length), 9), top]},
         "absorber": [a.model_dump(mode="json", exclude_none=True) for a in case.absorber if a.side == "left"],
-        "porous": [], "gate": [], "sensor": [], "solid": bed,
+        "porous": [], "gate": [], "solid": bed,
         "sponge": [*kept, {"name": "behind", "box": [[round(sponge, 9), 0.0], [round(float(length), 9), top]]}],
         "gauge": [{"x": round(float(x), 9)} for x in np.linspace(first, sponge, GAUGES)],
         "time": {**data["time"], "end": round(_start(wave, flume, first, sponge) + (PERIODS + 0.1) * wave.period, 6)},
     }  # fmt: skip
-    for key in ("reflection", "reference", "output", *_OBSERVED):
+    for key in ("reflection", "reference", "output", *case.observed().keys() - {"gauge"}):
         data.pop(key, None)
     empty = load(data)
     empty._path = case.path
     return empty
-
-
-_OBSERVED = ("runup", "overtopping", "force", "phreatic", "flux")
 
 
 def _begins(solid: Any) -> float:
@@ -133,12 +129,12 @@ def measure(empty: Case, says: Says) -> analysis.QualityCard:
     assert empty.waves is not None and empty.waves.height is not None
     simulation, wave = Simulation(build(empty)), wave_of(empty)
     places: list[tuple[float, ...]] = [(gauge.x,) for gauge in empty.gauge]
-    rows, end = [(0.0, levels_at(simulation.flow, places))], empty.time.end
+    rows, end = [(0.0, simulation.sample()["eta"])], empty.time.end
     says.start(simulation, end)
     try:
         while simulation.time < end:
             simulation.advance(end)
-            rows.append((simulation.time, levels_at(simulation.flow, places)))
+            rows.append((simulation.time, simulation.sample()["eta"]))
             says.step(simulation)
     finally:
         says.stop()

@@ -14,10 +14,11 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from houle.case.instruments import instruments
 from houle.check.drag import drag_of
 from houle.data import laboratory
 from houle.flow.ledger import WORKS
-from houle.output import Checkpoint, Outputs, collect, save_checkpoint, summarise, write_manifest
+from houle.output import Checkpoint, Outputs, about, collect, save_checkpoint, summarise, write_manifest
 from houle.running import signals
 from houle.running.failure import as_failure, write_bundle
 from houle.running.progress import Silent
@@ -77,7 +78,8 @@ class Session:
         self, directory: Path, case: Case, simulation: Any, threads: int | None, clock: Clock, says: Silent
     ) -> None:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
-        self.outputs = Outputs(directory, case, simulation.grid)
+        stations = [kind.stations for kind in instruments(case)]
+        self.outputs = Outputs(directory, simulation.grid, stations, about(case))
         intervals = (case.output.every, case.output.series_every)
         self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case.laboratory))
         self.manifest = {**collect(case, threads), "porous": drag_of(case)}

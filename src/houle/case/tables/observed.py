@@ -1,31 +1,67 @@
-"""What is observed during a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]]."""
+"""What is observed during a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]].
+
+`Observed` lists the tables. An observer in `houle.observe` names the table that asks for it, and its instruments have
+the same keys. A table says what it must agree with in the rest of the case in `disagreements`; where an instrument may
+stand is the check of the instrument.
+"""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Iterator, Mapping
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import Field, model_validator
 
+from houle.case.messages import nearest
 from houle.case.tables.base import Name, Point, Point2, Table
 
+Bodies = Mapping[str, tuple[str, ...]]  # names of the bodies of a kind, "porous" and "solid"
 
-class Gauge(Table):
+
+class Row(Table):
+    """A table of something observed.
+
+    prefix  of the names that the tables get when they give none
+    """
+
+    prefix: ClassVar[str]
+
+    name: Name = ""
+
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        """What does not agree with the rest of the case: the key, "" for the whole table, and what to do about it."""
+        yield from ()
+
+
+class Gauge(Row):
     """[[gauge]]: level of the free surface in a column, NaN when dry."""
+
+    prefix = "G"
 
     name: Name = Field(default="", description="name in the results; G1, G2, ... when left out")
     x: float = Field(description="position [m]")
     y: float | None = Field(default=None, description="position, 3D only [m]")
 
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        return _in_3d_only(self.y, dimension)
 
-class Sensor(Table):
+
+class Sensor(Row):
     """[[sensor]]: pressure and Darcy velocity at a point."""
+
+    prefix = "P"
 
     name: Name = Field(default="", description="name in the results; P1, P2, ... when left out")
     at: Point = Field(description="position [x, z], 3D [x, y, z] [m]")
 
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        return _as_many_numbers("at", self.at, dimension)
 
-class RunUp(Table):
+
+class RunUp(Row):
     """[[runup]]: where the water ends on a slope or at a wall."""
+
+    prefix = "R"
 
     name: Name = Field(default="", description="name in the results; R1, R2, ... when left out")
     x: Point2 = Field(description="range, from a place always in the water to the crest or the wall [m]")
@@ -34,8 +70,10 @@ class RunUp(Table):
     )
 
 
-class Overtopping(Table):
+class Overtopping(Row):
     """[[overtopping]]: water that comes over a crest."""
+
+    prefix = "O"
 
     name: Name = Field(default="", description="name in the results; O1, O2, ... when left out")
     x: float = Field(description="position of the crest [m]")
@@ -45,8 +83,10 @@ class Overtopping(Table):
     to: Literal["left", "right"] = Field(default="right", description="the side behind the crest")
 
 
-class Force(Table):
+class Force(Row):
     """[[force]]: force and moment of the water on a solid, a porous body, or a side of the tank."""
+
+    prefix = "F"
 
     name: Name = Field(default="", description="name in the results; F1, F2, ... when left out")
     body: str | None = Field(default=None, description="name of a [[solid]] or [[porous]]")
@@ -64,9 +104,17 @@ class Force(Table):
             raise ValueError(f': {given}; give body = "name of a solid or porous body", or side = "right", ...')
         return self
 
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        yield from _as_many_numbers("about", self.about, dimension)
+        if dimension == 2 and self.side in ("front", "back"):
+            yield "side", f'= "{self.side}" exists in 3D only; this domain has two sizes'
+        yield from _named(self.body, bodies, "porous", "solid")
 
-class Phreatic(Table):
+
+class Phreatic(Row):
     """[[phreatic]]: level of the water in the pores of a body."""
+
+    prefix = "L"
 
     name: Name = Field(default="", description="name in the results; L1, L2, ... when left out")
     body: str = Field(description="name of a [[porous]]")
@@ -75,10 +123,57 @@ class Phreatic(Table):
     )
     y: float | None = Field(default=None, description="position, 3D only [m]")
 
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        yield from _in_3d_only(self.y, dimension)
+        yield from _named(self.body, bodies, "porous")
 
-class Flux(Table):
+
+class Flux(Row):
     """[[flux]]: discharge through an upright section."""
+
+    prefix = "Q"
 
     name: Name = Field(default="", description="name in the results; Q1, Q2, ... when left out")
     x: float = Field(description="position [m]")
     between: Point2 | None = Field(default=None, description="two levels, floor and lid when left out [m]")
+
+
+class Observed(Table):
+    """The tables of a case that say what is observed, in the order in which it is."""
+
+    gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
+    sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
+    runup: Annotated[tuple[RunUp, ...], Field(strict=False, description="run-up on slopes and walls")] = ()
+    overtopping: Annotated[tuple[Overtopping, ...], Field(strict=False, description="water over crests")] = ()
+    force: Annotated[tuple[Force, ...], Field(strict=False, description="forces on structures")] = ()
+    phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
+    flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
+
+    @classmethod
+    def observed(cls) -> dict[str, type[Row]]:
+        """The tables by their keys in the case file."""
+        kinds = {key: (*get_args(info.annotation), None)[0] for key, info in cls.model_fields.items()}
+        return {key: kind for key, kind in kinds.items() if isinstance(kind, type) and issubclass(kind, Row)}
+
+
+def _in_3d_only(y: float | None, dimension: int) -> Iterator[tuple[str, str]]:
+    if (y is None) == (dimension == 3):
+        yield "y", f"is {'missing in 3D: add y [m]' if dimension == 3 else 'given in 2D: remove it'}"
+
+
+def _as_many_numbers(key: str, point: tuple[float, ...] | None, dimension: int) -> Iterator[tuple[str, str]]:
+    if point is not None and len(point) != dimension:
+        yield key, f"has {len(point)} numbers, domain.size has {dimension}: give {dimension}"
+
+
+def _named(body: str | None, bodies: Bodies, *kinds: str) -> Iterator[tuple[str, str]]:
+    """What is wrong with the name of a body, which one body of these kinds should have."""
+    names = [name for kind in kinds for name in bodies[kind]]
+    if body is None or names.count(body) == 1:
+        return
+    if body in names:
+        yield "body", f'= "{body}" is the name of a porous body and of a solid: rename one of them'
+        return
+    what = "porous body or solid" if "solid" in kinds else "porous body"
+    there = f" There are: {', '.join(names)}" if names else f" The case has no {what}"
+    yield "body", f'= "{body}" is the name of no {what}.{nearest(body, names)}{there}'

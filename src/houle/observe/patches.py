@@ -13,25 +13,23 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.integrals import cut, cut_all, edges, section_moments, span_moments
 from houle.medium.sections import partition, repeated, section
 from houle.medium.shapes import Shape, Span
-from houle.observe.points import cell_below, still_gravity
-from houle.observe.profile import Indices
 
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (-1, 0), "top": (-1, 1)}
 NEAR = 1e-6  # [cells] from a surface, the cell on its wet side is looked for
-Load = tuple[FloatArray, FloatArray]  # force / rho, moment / rho
 
 
 @dataclass(frozen=True)
 class Patches:
     """cell (P,) on the wet side; a, b (P, d) ends [m]; area (P, d) [m^(d-1)] as a vector out of the water."""
 
-    cell: Indices
+    cell: NDArray[np.intp]
     a: FloatArray
     b: FloatArray
     area: FloatArray
@@ -147,50 +145,3 @@ def _across(grid: Grid, area: shapely.Geometry, y: float, into: float) -> tuple[
     a, b = (np.stack([x, level, (k + e) * h[-1]], axis=1) for e in (0, 1))
     size = share[i, k] * h[0] * h[-1]
     return a, b, np.stack([0 * x, -into * size, 0 * x], axis=1)
-
-
-class SurfaceLoad:
-    """Force and moment of the water's pressure on patches, per density: sum of the integrals of p n and r x p n."""
-
-    def __init__(self, flow: Flow, patches: Patches, about: FloatArray) -> None:
-        grid, g = flow.grid, still_gravity(flow)
-        self.cell, self.area = patches.cell, patches.area
-        self.below, self.above = cell_below(self.cell, grid), cell_below(self.cell, grid, -1)
-        centres = grid.points().reshape(-1, grid.dimension)
-        self.a, self.step = patches.a - about, patches.b - patches.a
-        self.rest_a, self.rest_b = ((e - centres[self.cell]) @ g for e in (patches.a, patches.b))
-        self.rest_below = (centres[self.cell] - centres[self.below]) @ g
-
-    def load(self, flow: Flow) -> Load:
-        p = flow.pressure.ravel()
-        here, below = p[self.cell], p[self.below]
-        wet = here != 0.0
-        here = np.where(wet, here, np.where(below != 0.0, below + self.rest_below, -np.inf))
-        first, last = here + self.rest_a, here + self.rest_b
-        at_surface = ~wet | (p[self.above] == 0.0)
-        start, end, first, last = positive_part(first, last, at_surface)
-        mean, size = 0.5 * (first + last), end - start
-        middle = self.a + self.step * (0.5 * (start + end))[:, None]
-        arm = middle * (mean * size)[:, None] + self.step * (size**2 * (last - first) / 12.0)[:, None]
-        return ((mean * size)[:, None] * self.area).sum(axis=0), moment(arm, self.area)
-
-
-def positive_part(first: FloatArray, last: FloatArray, cut_off: np.ndarray) -> tuple[FloatArray, ...]:
-    """Where a pressure that runs from `first` to `last` is above 0: start and end in 0..1, and the values there.
-
-    Only where `cut_off`: deep in the water a suction is real.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        zero = np.where(first != last, first / (first - last), 0.0)
-    start = np.where(cut_off & (first < 0), np.where(last > 0, zero, 0.0), 0.0)
-    end = np.where(cut_off & (last < 0), np.where(first > 0, zero, start), 1.0)
-    none = cut_off & (first <= 0) & (last <= 0)
-    start, end = np.where(none, 0.0, start), np.where(none, 0.0, end)
-    return start, end, np.where(cut_off, np.maximum(first, 0.0), first), np.where(cut_off, np.maximum(last, 0.0), last)
-
-
-def moment(arm: FloatArray, force: FloatArray) -> FloatArray:
-    """Sum of r x f: (3,) in 3D; in 2D the component about y, (): positive when it tips things towards larger x."""
-    if arm.shape[1] == 3:
-        return np.cross(arm, force).sum(axis=0)
-    return np.asarray(np.sum(arm[:, 1] * force[:, 0] - arm[:, 0] * force[:, 1]))

@@ -1,0 +1,50 @@
+"""From the tables of what is observed to the instruments of `houle.observe`, and the tank that they stand in."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from houle.case.model import Case
+from houle.medium.shapes import shape_of
+from houle.observe.ledger import Books, LedgerRow
+from houle.observe.observer import Instruments, Observer, Site, asked_by_tables
+from houle.observe.paddle import MovingWall, PaddlePositions
+
+ALWAYS: tuple[type[Observer[Any]], ...] = (PaddlePositions, LedgerRow)  # observers that no table asks for
+
+
+def site_of(case: Case) -> Site:
+    """The tank of a case as its instruments know it."""
+    d = case.dimension
+    return Site(
+        size=case.domain.size,
+        grid=case.domain.grid,
+        density=case.fluid.density,
+        porous={body.name: shape_of(body, d) for body in case.porous},
+        solid={body.name: shape_of(body, d) for body in case.solid},
+        open=tuple(table.side for table in case.open),
+    )
+
+
+def instruments(case: Case) -> tuple[Instruments, ...]:
+    """Everything that a case observes: what its tables say, its moving walls, and the ledger."""
+    site = site_of(case)
+    asked = (asked_for(case, key, site) for key in case.observed())
+    return (*(kind for kind in asked if kind.them), *_always(case, site))
+
+
+def asked_for(case: Case, key: str, site: Site) -> Instruments:
+    """The instruments of the tables [[key]]: each has the keys of its table."""
+    observer = asked_by_tables()[key]
+    rows = ({name: getattr(row, name) for name in type(row).model_fields} for row in getattr(case, key))
+    return Instruments(observer, tuple(observer.instrument(**row) for row in rows), site)
+
+
+def _always(case: Case, site: Site) -> Iterator[Instruments]:
+    piston = case.waves.piston if case.waves is not None else None
+    walls = [MovingWall("piston", piston.x)] if piston is not None else []
+    walls += [MovingWall(absorber.name, absorber.x) for absorber in case.absorber]
+    if walls:
+        yield Instruments(PaddlePositions, tuple(walls), site)
+    yield Instruments(LedgerRow, (Books(by_levels=case.waves is not None),), site)

@@ -1,0 +1,196 @@
+"""What all observers have in common, whatever they observe: gauges, forces, the ledger.
+
+    Site          what instruments know of the tank that they stand in
+    Instrument    one of them as the case gives it: what it is called and where it stands
+    Instruments   all of one kind, not yet placed in a flow: the class that places them, and the site
+    Observer      the same placed in a flow: it gives a sample of each step
+    Stations      where the values of an observer stand in series.nc
+    Now           what a sample is taken of
+    Remark        what is doubtful or wrong about where an instrument stands
+
+An observable is one file beside this one. It holds an `Instrument`, with the keys of its table in the case file (a user
+of the library can make one by hand) and its check; and the `Observer` of such instruments, with the name of the table,
+its rows of `houle.fields`, its stations and its sample. The table stands in `houle.case.tables.observed`.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Generic, Literal, NamedTuple, TypeVar
+
+import numpy as np
+
+from houle.errors import metres
+from houle.fields import Field
+from houle.flow.component import Component
+from houle.flow.ledger import Ledger
+from houle.flow.state import Flow
+from houle.grid import FloatArray, Grid, axes
+from houle.medium.shapes import Shape
+
+RUN = "run"  # place of what has one value for all of the water
+Sample = dict[str, FloatArray | float]
+
+
+@dataclass(frozen=True)
+class Site:
+    """The tank as far as instruments ask for it; `houle check` has one before there is a flow.
+
+    size      of the tank [m], the last one upwards
+    grid      of the whole tank, which is that of the results: a flow keeps its lowest rows
+    density   of the water [kg/m3]
+    porous    shapes of the porous bodies by name
+    solid     shapes of the solids by name, in the order of the case
+    open      sides of the tank through which water comes and goes, "left" or "right"
+    """
+
+    size: tuple[float, ...]
+    grid: Grid
+    density: float = 1000.0
+    porous: Mapping[str, Shape] = field(default_factory=dict)
+    solid: Mapping[str, Shape] = field(default_factory=dict)
+    open: tuple[str, ...] = ()
+
+
+class Remark(NamedTuple):
+    """A finding about one instrument: its level, the key of its table, and the two numbers and the cure in words."""
+
+    level: Literal["error", "warning", "info"]
+    key: str
+    text: str
+
+
+class Instrument:
+    """One instrument as the case gives it; a frozen dataclass with the keys of its table."""
+
+    def check(self, site: Site) -> Iterator[Remark]:
+        """What is doubtful or wrong about where the instrument stands."""
+        yield from ()
+
+    @property
+    def highest(self) -> float:
+        """The highest level [m] at which the instrument looks for water, whether water is there or not."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Where the values of an observer stand in series.nc.
+
+    names        one for each value along the dimension
+    coordinates  word -> (sentence, values [m]): the variable gauge_x of the dimension gauge has the word x
+    fields       the quantities that stand there; all have the same place
+    """
+
+    names: Sequence[str]
+    coordinates: Mapping[str, tuple[str, Sequence[float]]]
+    fields: Sequence[Field]
+
+    @property
+    def dimension(self) -> str:
+        """The name of the dimension along which the values stand; RUN where there is one value for the whole run."""
+        return self.fields[0].place
+
+
+@dataclass(frozen=True)
+class Now:
+    """What a sample is taken of: the flow at the end of a step, and its ledger."""
+
+    flow: Flow
+    ledger: Ledger
+
+
+R = TypeVar("R", bound=Instrument)
+
+
+class Observer(Component, ABC, Generic[R]):
+    """All instruments of one kind, placed in a flow. R is the class of one of them. What the next sample depends on
+    besides the flow is their `state` (`houle.flow.component`).
+
+    table       key of the case file whose tables ask for it; "" where none does
+    instrument  R
+    fields      the quantities that a sample may hold; their place is the dimension of series.nc along which they stand,
+                or RUN for one value of all the water
+    """
+
+    table: ClassVar[str] = ""
+    instrument: ClassVar[type[Instrument]]
+    fields: ClassVar[tuple[Field, ...]]
+
+    @property
+    def dimension(self) -> str:
+        """The dimension of series.nc along which the values stand, or RUN."""
+        return self.fields[0].place
+
+    @abstractmethod
+    def __init__(self, instruments: Sequence[R], site: Site, flow: Flow) -> None:
+        """Places the instruments: everything that does not change during a run is computed here."""
+
+    @abstractmethod
+    def sample(self, now: Now) -> Sample:
+        """What is observed now, as copies, by the names of `fields`: an array with one row per station, or a number."""
+
+    def after_step(self, dt: float) -> None:
+        """Books what has passed in a step of dt [s]."""
+
+    @classmethod
+    @abstractmethod
+    def stations(cls, instruments: Sequence[R], site: Site) -> Stations:
+        """Where the values of these instruments stand."""
+
+
+@dataclass(frozen=True)
+class Instruments:
+    """All instruments of one kind that a case has, before they are placed in a flow."""
+
+    observer: type[Observer[Any]]
+    them: tuple[Instrument, ...]
+    site: Site
+
+    def place(self, flow: Flow) -> Observer[Any]:
+        """The instruments in a flow of their site."""
+        return self.observer(self.them, self.site, flow)
+
+    @property
+    def stations(self) -> Stations:
+        """Where their values stand in series.nc."""
+        return self.observer.stations(self.them, self.site)
+
+    def check(self) -> Iterator[tuple[int, Remark]]:
+        """What is doubtful or wrong about where they stand: number of the instrument, and what it is."""
+        for i, one in enumerate(self.them):
+            for remark in one.check(self.site):
+                yield i, remark
+
+    @property
+    def highest(self) -> float:
+        """The highest level [m] at which one of them looks for water."""
+        return max((one.highest for one in self.them), default=0.0)
+
+
+def asked_by_tables() -> dict[str, type[Observer[Any]]]:
+    """The observers that tables of the case file ask for, by the key of the table: those of every file of this room,
+    and others that have been defined.
+    """
+    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
+        importlib.import_module(f"houle.observe.{module.name}")
+    return {observer.table: observer for observer in Observer.__subclasses__() if observer.table}
+
+
+def along(kind: str, what: Sequence[Sequence[float]] | FloatArray, letters: str) -> dict[str, tuple[str, list[float]]]:
+    """Coordinates of points (N, len(letters)) [m]: "x", "y", ... with a sentence that names the kind of instrument."""
+    points = np.array(what, float).reshape(-1, len(letters))
+    return {axis: (f"position of the {kind} along {axis}", points[:, a].tolist()) for a, axis in enumerate(letters)}
+
+
+def outside(site: Site, key: str, value: float, axis: int) -> Iterator[Remark]:
+    """A remark where a coordinate [m] of an instrument lies outside the tank."""
+    name, size = axes(site.grid.dimension)[axis], site.size[axis]
+    if not 0 <= value <= size:
+        text = f"= {value:g} lies outside the domain, 0 <= {name} <= {size:g} m.{metres(value, size)}"
+        yield Remark("error", key, text)
