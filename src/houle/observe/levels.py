@@ -178,7 +178,7 @@ class Phreatic:
         self.solids = SolidsAt(grid, medium, places)
 
     def levels(self, flow: Flow) -> FloatArray:
-        depth = flow.depth.reshape(-1, flow.grid.shape[-1])[self.columns]
+        depth = flow.submergence.reshape(-1, flow.grid.shape[-1])[self.columns]
         columns = first_surface(depth, self.closed, flow.grid.spacing[-1])[self.number]
         level = outside(self.solids, mean_of_known(columns, self.weight), columns, self.weight)
         with np.errstate(invalid="ignore"):
