@@ -82,7 +82,7 @@ def test_flat_surface_is_exact_from_the_columns(d, level):
     under = level - (np.arange(8) + 0.5)
     sure = np.abs(under) > 1e-9
     assert np.array_equal(flow.active[..., sure], np.broadcast_to(under > 0, grid.shape)[..., sure])
-    np.testing.assert_allclose(flow.depth, np.broadcast_to(under, grid.shape), rtol=0, atol=1e-10)
+    np.testing.assert_allclose(flow.submergence, np.broadcast_to(under, grid.shape), rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("body", ["bed", "block", "slope"])
@@ -110,9 +110,9 @@ def test_volume_under_the_surface_is_the_volume_of_the_water(level, slope):
     held = volume > 0
     position = np.stack(np.broadcast_arrays(x[:, None], bottom + 2 * volume), axis=-1)[held]
     flow = flow_of(grid, Particles(position, np.zeros_like(position), volume[held]))
-    if np.isfinite(flow.eta).all() and np.isfinite(flow.column).all():
+    if np.isfinite(flow.eta).all() and np.isfinite(flow.single_level).all():
         assert 0.5 * flow.eta.sum() == pytest.approx(volume.sum(), rel=1e-12)
-    assert np.isfinite(flow.column).all()
+    assert np.isfinite(flow.single_level).all()
 
 
 @given(grids(), randoms, st.integers(-1, 9))
@@ -153,8 +153,8 @@ def test_a_wall_of_water_is_placed_by_its_cells():
     assert np.array_equal(flow.active, np.broadcast_to(np.arange(8)[:, None] < 4, (8, 8)) & (np.arange(8) < 6))
     np.testing.assert_allclose(flow.eta[:3], 6.0, atol=1e-9)
     assert np.isnan(flow.eta[5:]).all()
-    np.testing.assert_allclose(flow.depth[3, 2], 0.5)  # the front stands on the face, half a cell away
-    np.testing.assert_allclose(flow.depth[4, 2], -0.5)
+    np.testing.assert_allclose(flow.submergence[3, 2], 0.5)  # the front stands on the face, half a cell away
+    np.testing.assert_allclose(flow.submergence[4, 2], -0.5)
 
 
 def test_trapped_air_of_two_cells_is_looked_through_and_a_drop_high_above_is_not_the_surface():

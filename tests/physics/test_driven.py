@@ -24,7 +24,7 @@ def test_the_flux_through_driven_sides_is_in_the_water(out):
     })  # fmt: skip
     flow = sim.flow
     drive(flow, dt)
-    apply_forces(flow, dt)
+    apply_forces(flow, dt, [])
     project(flow, dt, sim.ledger)
     u, w = flow.velocity
     flux = np.diff(u, axis=0) / 0.02 + np.diff(w, axis=1) / 0.02

@@ -61,7 +61,7 @@ def test_water_that_moves_on_alike_leaves_pores_as_full_and_levels_where_they_ar
         }
     )
     flow, way = sim.flow, 1e-3
-    fill, level = flow.fill.copy(), flow.level.copy()
+    fill, level = flow.fill.copy(), flow.filled_level.copy()
     flow.velocity[0][...], flow.velocity[1][...] = way * 0.025, 0.0
     sim.particles.velocity[...] = way * 0.025, 0.0
     move(flow, 1.0)
@@ -69,7 +69,7 @@ def test_water_that_moves_on_alike_leaves_pores_as_full_and_levels_where_they_ar
     inner = slice(10, 30)  # not at the walls
     pores = 1.0 / flow.inverse_capacity[inner, 5] / 0.025**2
     assert np.abs((flow.fill[inner, 5] - fill[inner, 5]) * pores).max() < 0.025 * way
-    assert np.abs(flow.level[inner] - level[inner]).max() < 0.16 * way * 0.025
+    assert np.abs(flow.filled_level[inner] - level[inner]).max() < 0.16 * way * 0.025
 
 
 IMPERMEABLE = {"porosity": 0.45, "added_mass": 0.0, "resistance": {"a": 1e6, "b": 0.0}}

@@ -171,6 +171,8 @@ class Boundaries(Component, Sequence[Boundary]):
 
     def stand(self) -> bool:
         """Finds anew what follows from where they stand, if one has moved. Returns whether a gate has."""
+        if not self.entries:
+            return False
         walls = np.array([row for boundary in self for row in boundary.images()]).reshape(-1, 2)
         gates = np.array([row for boundary in self for row in boundary.gates()]).reshape(-1, 2)
         known = np.zeros((0, 2)) if self.walls is None else self.walls

@@ -35,21 +35,20 @@ def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) 
     g, m, work, between = flow.grid, flow.medium, flow.work, flow.boundaries
     find_surface(flow)
     _core.pressure_system(
-        g.core, flow.active, flow.depth, between.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.submergence, between.open_faces, [], 1.0, [], LEAST_DEPTH_CORRECTION,
         work.coefficient, work.dirichlet, work.rhs,
     )  # fmt: skip
-    surface = (flow.active, flow.depth, flow.column, flow.eta, flow.fill)
+    surface = (flow.active, flow.submergence, flow.single_level, flow.eta, flow.fill)
     largest = _core.density_excess(g.core, *surface, m.listed("open_cells"), flow.listed("porosity"), share, work.rhs)
     if between.column_share is not None:
         np.multiply(work.rhs, between.column_share[..., None], out=work.rhs)
         largest = float(max(work.rhs.max(), -work.rhs.min()))
-    work.solver.setup(flow.active, work.coefficient, work.dirichlet)
+    displacement, potential = work.set_up(flow.active)  # Darcy displacement on the faces [m]; potential [m2]
     tolerance = max(1e-2 * largest, 1e-9)
-    iterations = work.solver.solve(work.rhs, work.potential, tolerance, 50, flow.psi)[0]
+    iterations = work.solver.solve(work.rhs, potential, tolerance, 50, flow.psi)[0]
     ledger.note(correction_iterations=iterations)
-    displacement = work.coefficient
     _core.project(
-        g.core, flow.active, flow.depth, between.open_faces, [], 1.0, work.potential, LEAST_DEPTH_CORRECTION,
+        g.core, flow.active, flow.submergence, between.open_faces, [], 1.0, potential, LEAST_DEPTH_CORRECTION,
         displacement, work.valid, still=True,
     )  # fmt: skip
     _core.extrapolate(g.core, 3, 3, [], 0.0, displacement, work.valid)

@@ -11,19 +11,22 @@ from houle.flow.state import SPRAY, Flow
 from houle.grid import Faces, FloatArray, Listed
 
 
-def viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
-    """Viscous acceleration of the faces, with the eddy viscosity if there is one."""
+def viscosity(flow: Flow, dt: float, ledger: Ledger) -> Faces:
+    """Viscous acceleration of the faces [m/s2], with the eddy viscosity if there is one; empty in inviscid flow.
+
+    It stands in the arrays of the old velocity, which is of no use any more in a step that has come to its forces.
+    """
     if not flow.viscous:
-        return
-    core = flow.grid.core
+        return []
+    core, acceleration = flow.grid.core, flow.old_velocity
     if flow.nu is not None:
         _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
-    flow.extra = flow.old_velocity
     _core.viscous_acceleration(
         core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
-        flow.listed("porosity"), flow.no_slip, flow.extra,
+        flow.listed("porosity"), flow.no_slip, acceleration,
     )  # fmt: skip
-    ledger.viscous_work -= dt * _core.face_power(core, flow.work.face_mass, flow.velocity, flow.extra)
+    ledger.viscous_work -= dt * _core.face_power(core, flow.work.face_mass, flow.velocity, acceleration)
+    return acceleration
 
 
 def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
@@ -43,17 +46,19 @@ def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     ledger.viscous_work += before - flow.kinetic_energy()
 
 
-def make_waves(flow: Flow) -> None:
-    """Accelerations by which boundaries push the water, on top of the viscous ones."""
+def make_waves(flow: Flow, acceleration: Faces) -> Faces:
+    """The accelerations of the faces [m/s2], empty where there are none, with those by which boundaries push the water;
+    `acceleration` is changed where it is not empty.
+    """
     pushed = flow.boundaries.pushed
     if not pushed:
-        return
+        return acceleration
     push = flow.boundaries.push(flow.time)
-    if flow.extra:
-        for axis, where in pushed.items():
-            flow.extra[axis][where] += push[axis][where]
-    else:
-        flow.extra = push
+    if not acceleration:
+        return push
+    for axis, where in pushed.items():
+        acceleration[axis][where] += push[axis][where]
+    return acceleration
 
 
 def drive(flow: Flow, dt: float) -> None:
@@ -71,12 +76,14 @@ def _resistance(
     return flow.medium.material, flow.medium.materials, flow.boundaries.damping, flow.listed("energy"), flow.held
 
 
-def apply_forces(flow: Flow, dt: float) -> None:
-    """Gravity, viscosity, porous resistance and Bernoulli term; the pressure's mobility."""
+def apply_forces(flow: Flow, dt: float, acceleration: Faces) -> None:
+    """Gravity, porous resistance, Bernoulli term and further accelerations of the faces [m/s2], if any, over dt [s].
+
+    On return old_velocity is what velocity was, and the mobility is that of the pressure.
+    """
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt
     _core.apply_forces(
-        flow.grid.core, flow.old_velocity, *_resistance(flow), flow.gravity, flow.extra, dt,
+        flow.grid.core, flow.old_velocity, *_resistance(flow), flow.gravity, acceleration, dt,
         flow.velocity, flow.drag, flow.mobility,
     )  # fmt: skip
-    flow.extra = []

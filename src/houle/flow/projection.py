@@ -17,24 +17,16 @@ LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that co
 def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     """Pressure that makes div u_d = 0 in the water with p = 0 on its surface; velocity carried on into the air."""
     core, tolerance = flow.grid.core, flow.tolerance / dt
-    work = flow.work
-    system = (work.coefficient, work.dirichlet, work.rhs)
+    work, open_faces = flow.work, flow.boundaries.open_faces
     star = [u.copy() for u in flow.velocity] if flow.heavy else []
     own_sides = [_join_sides(flow, axis, faces) for axis, faces in enumerate(flow.medium.shared)]
     _core.pressure_system(
-        core,
-        flow.active,
-        flow.depth,
-        flow.boundaries.open_faces,
-        flow.mobility,
-        dt,
-        flow.velocity,
-        LEAST_DEPTH,
-        *system,
-    )
+        core, flow.active, flow.submergence, open_faces, flow.mobility, dt, flow.velocity, LEAST_DEPTH,
+        work.coefficient, work.dirichlet, work.rhs,
+    )  # fmt: skip
     for boundary in flow.boundaries:
         boundary.feed(flow)
-    work.solver.setup(flow.active, work.coefficient, work.dirichlet)
+    work.set_up(flow.active)
     iterations, residual = work.solver.solve(work.rhs, flow.pressure, tolerance, 200)
     ledger.note(pressure_iterations=iterations, divergence=residual * dt)
     if not residual <= tolerance:
@@ -46,7 +38,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
             "round-off (1e-13) cannot be met; else the flow itself has become unphysical near the place given.",
         )
     _core.project(
-        core, flow.active, flow.depth, flow.boundaries.open_faces, flow.mobility, dt, flow.pressure, LEAST_DEPTH,
+        core, flow.active, flow.submergence, open_faces, flow.mobility, dt, flow.pressure, LEAST_DEPTH,
         flow.velocity, work.valid,
     )  # fmt: skip
     for axis, (faces, side) in enumerate(zip(flow.medium.shared, own_sides, strict=True)):
@@ -56,7 +48,7 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
     own = [u.ravel()[where] for u, (where, *_) in zip(flow.velocity, flow.edges, strict=False)]
     _core.extrapolate(core, 6, 2, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.velocity, work.valid)
     _carry_changes(flow, star)
-    _core.continue_upwards(core, 2, flow.active, flow.column, flow.velocity)
+    _core.continue_upwards(core, 2, flow.active, flow.single_level, flow.velocity)
     _limit_carried(flow, own)
     if flow.medium.closed_faces:
         _core.stop_at_solids(core, flow.medium.closed_faces, flow.velocity)

@@ -17,7 +17,7 @@ def prepare(flow: Flow, transfer: Transfer, ledger: Ledger) -> None:
     transfer.to_grid(flow)
     for boundary in flow.boundaries:
         boundary.prepare(flow)
-    apply_forces(flow, dt)
+    apply_forces(flow, dt, [])
     project(flow, dt, ledger)
     for u in flow.velocity:
         u[...] = 0.0

@@ -65,13 +65,12 @@ class Flow(Tank):
 
         g = grid
         self.inverse_capacity = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
-        self.height = np.zeros(g.shape[:-1])  # of the water standing in each column, without pores [m]
-        self.level = np.zeros(g.shape[:-1])  # to which its water fills each column [m]
-        self.column = np.zeros(g.shape[:-1])  # level of the surface [cells] where single-valued, else NaN
+        self.water_height = np.zeros(g.shape[:-1])  # of the water in each column if there were no grains [m]
+        self.filled_level = np.zeros(g.shape[:-1])  # to which that fills the pores of the column [m]
+        self.single_level = np.zeros(g.shape[:-1])  # the same where the surface is single-valued, else NaN [cells]
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
         self.nu = g.cells() if smagorinsky > 0.0 else None  # kinematic viscosity with the eddies' [m2/s]
         self.psi = np.zeros(g.shape, np.float32)  # first guess of the potential of the position correction [m2]
-        self.extra: Faces = []  # further accelerations on the faces [m/s2], for the next forces; empty: none
         self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.fastest = [0.0] * grid.dimension  # largest |u_d| / n along each axis, of an arranged flow [m/s]
         self.crests: list[Crest] = []  # sections that book what crosses them

@@ -45,10 +45,10 @@ class Step(Component):
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
-            viscosity(flow, kick, ledger)  # (3), on the grid
+            acceleration = viscosity(flow, kick, ledger)  # (3), on the grid
             drive(flow, dt)  # what flows through open sides
-            make_waves(flow)  # (4), (5)
-            apply_forces(flow, kick)  # (13), drag and Bernoulli term implicit
+            acceleration = make_waves(flow, acceleration)  # (4), (5)
+            apply_forces(flow, kick, acceleration)  # (13), drag and Bernoulli term implicit
         with ledger.operation("projection"):
             project(flow, kick, ledger)  # (15), (16)
         with ledger.operation("transfer"):
@@ -99,8 +99,8 @@ class PaperStep(Component):
             self.transfer.to_grid(flow)
         with ledger.operation("forces"):
             drive(flow, dt)
-            make_waves(flow)  # (4), (5)
-            apply_forces(flow, dt)  # (13), drag implicit
+            acceleration = make_waves(flow, [])  # (4), (5)
+            apply_forces(flow, dt, acceleration)  # (13), drag implicit
         with ledger.operation("projection"):
             project(flow, dt, ledger)  # (15), (16)
         with ledger.operation("transfer"):

@@ -50,14 +50,14 @@ def find_surface(flow: Flow) -> None:
         flow.inverse_capacity,
         flow.boundaries.gates,
     )
-    _core.column_heights(core, flow.start, position, volume, flow.height, walls, gates)
+    _core.column_heights(core, flow.start, position, volume, flow.water_height, walls, gates)
     _core.column_levels(
-        core, flow.height, flow.column_porosity, flow.fill, flow.inverse_capacity,
-        mixed.column, mixed.start, mixed.pieces, flow.level,
+        core, flow.water_height, flow.column_porosity, flow.fill, flow.inverse_capacity,
+        mixed.column, mixed.start, mixed.pieces, flow.filled_level,
     )  # fmt: skip
     _core.find_surface(
-        core, flow.fill, flow.medium.listed("open_cells"), flow.level, flow.depth, flow.active, flow.column,
-        flow.eta, gates,
+        core, flow.fill, flow.medium.listed("open_cells"), flow.filled_level, flow.submergence, flow.active,
+        flow.single_level, flow.eta, gates,
     )  # fmt: skip
     for boundary in flow.boundaries:
         boundary.dry(flow)

@@ -19,7 +19,7 @@ class Tank(Component):
     step_size     length of the step that is done or in progress [s]; last_step: of the one before it, 0 in the first
     kick          time over which the last forces changed old_velocity into velocity [s]
     fill          water volume / pore volume of the cells, tent-smoothed [-]
-    depth         of the cell centres below the free surface [cells]; active: those under water
+    submergence   of the cell centres: how far below the free surface they are [cells]; active: those under water
     eta           level of the free surface [m], NaN where dry
     velocity      Darcy velocity on the faces [m/s]; old_velocity: before the forces
     pressure      p / rho of the cells [m2/s2]
@@ -31,7 +31,7 @@ class Tank(Component):
         self.time = self.step_size = self.last_step = 0.0
         self.kick = 1.0
         self.fill = grid.cells()
-        self.depth = grid.cells()
+        self.submergence = grid.cells()
         self.active = np.zeros(grid.shape, np.uint8)
         self.eta = np.zeros(grid.shape[:-1])
         self.velocity = grid.faces()

@@ -67,7 +67,7 @@ class Workspace:
 
     @property
     def coefficient(self) -> Faces:
-        """Coefficients of a pressure system, which the solver copies; then the displacement of the correction [m]."""
+        """Coefficients of a pressure system between cells."""
         return self._system[:-2]
 
     @property
@@ -76,14 +76,16 @@ class Workspace:
         return self._system[-2]
 
     @property
-    def potential(self) -> FloatArray:
-        """Potential of the position correction [m2], in the place of `dirichlet`, which the solver has then copied."""
-        return self._system[-2]
-
-    @property
     def rhs(self) -> FloatArray:
         """Right-hand side of a pressure system."""
         return self._system[-1]
+
+    def set_up(self, active: np.ndarray) -> tuple[Faces, FloatArray]:
+        """Hands the coefficients of a pressure system to the solver, which copies them. Returns their arrays, on faces
+        and on cells, which are free from then on.
+        """
+        self.solver.setup(active, self.coefficient, self.dirichlet)
+        return self.coefficient, self.dirichlet
 
     @cached_property
     def face_mass(self) -> Faces:

@@ -176,10 +176,10 @@ def water_held(flow: Flow) -> tuple[NDArray[np.bool_], FloatArray]:
 
     Without a level are those whose surface is that of their cells: steep, overhanging, splashing, or beside such.
     """
-    columns = flow.eta != flow.column * flow.grid.spacing[-1]
+    columns = flow.eta != flow.single_level * flow.grid.spacing[-1]
     columns.ravel()[flow.mixed.column] = True
     number = np.flatnonzero(columns)
     held = np.empty(len(number))
     cells = (flow.active, flow.medium.listed("open_cells"), flow.fill, flow.inverse_capacity)
-    _core.water_held(flow.grid.core, *cells, flow.height, number, held)
+    _core.water_held(flow.grid.core, *cells, flow.water_height, number, held)
     return columns, flow.grid.spacing[-1] / flow.grid.cell_volume * held

@@ -67,7 +67,7 @@ def wet_share(flow: Flow, columns: Plan) -> FloatArray:
     active, open_ = flow.active[columns] > 0, opened[kind[columns]] > 0.0
     covered = np.ones(active.shape, bool)
     covered[..., :-1] = active[..., 1:] | ~open_[..., 1:]
-    return np.where(active & covered, 1.0, np.clip(flow.depth[columns] + 0.5, 0.0, 1.0))
+    return np.where(active & covered, 1.0, np.clip(flow.submergence[columns] + 0.5, 0.0, 1.0))
 
 
 def layer_at(spans: Sequence[tuple[float, float]], y: float) -> int:

@@ -101,7 +101,7 @@ class PoreLevels:
 
     def levels(self, flow: Flow) -> FloatArray:
         """The levels (N,) [m] in the present flow."""
-        depth = flow.depth.reshape(-1, flow.grid.shape[-1])[self.columns]
+        depth = flow.submergence.reshape(-1, flow.grid.shape[-1])[self.columns]
         columns = first_surface(depth, self.closed, flow.grid.spacing[-1])[self.number]
         level = out_of_solids(self.solids, mean_of_known(columns, self.weight), columns, self.weight)
         with np.errstate(invalid="ignore"):
