@@ -82,15 +82,17 @@ def _fall_behind(flow: Flow, dt: float) -> FloatArray:
     return change
 
 
-def move(flow: Flow, dt: float) -> None:
-    """Particles along the pore velocity of the grid, midpoint rule."""
+def move(flow: Flow, dt: float, linear: bool) -> None:
+    """Particles along the pore velocity of the grid, midpoint rule. linear: whether they have that velocity where they
+    are, as `Transfer.to_particles` says: then it is not interpolated again.
+    """
     with crossing(flow, dt, dt):
-        _move(flow, dt)
+        _move(flow, dt, linear)
 
 
-def _move(flow: Flow, dt: float) -> None:
+def _move(flow: Flow, dt: float, linear: bool) -> None:
     p, before = flow.particles, near_crests(flow, flow.particles.position)
-    velocity, volume, bulk = (p.velocity, p.volume, flow.bulk) if flow.interpolated else (None, None, None)
+    velocity, volume, bulk = (p.velocity, p.volume, flow.bulk) if linear else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.listed("particle_porosity"), velocity, volume, bulk,
         flow.medium.outline, flow.boundaries.gates, dt, p.position, flow.boundaries.walls, flow.interfaces,

@@ -71,7 +71,6 @@ class Flow(Tank):
         self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
         self.nu = g.cells() if smagorinsky > 0.0 else None  # kinematic viscosity with the eddies' [m2/s]
         self.psi = np.zeros(g.shape, np.float32)  # first guess of the potential of the position correction [m2]
-        self.interpolated = False  # whether the particles have the velocity of the grid where they are, linear
         self.fastest = [0.0] * grid.dimension  # largest |u_d| / n along each axis, of an arranged flow [m/s]
         self.crests: list[Crest] = []  # sections that book what crosses them
         self.held = [np.zeros(u.shape, np.uint8) for u in self.velocity] if self.porous else []  # by pressure: faces

@@ -52,11 +52,11 @@ class Step(Component):
         with ledger.operation("projection"):
             project(flow, kick, ledger)  # (15), (16)
         with ledger.operation("transfer"):
-            self.transfer.to_particles(flow)
+            linear = self.transfer.to_particles(flow)
             settle(flow)
         with ledger.operation("advection"):
             move_walls(flow)
-            move(flow, dt)  # (17), with u_d / n
+            move(flow, dt, linear)  # (17), with u_d / n
         with ledger.operation("exchange"):
             exchange(flow, dt)  # water that comes in and goes out
         with ledger.operation("correction"):

@@ -45,8 +45,10 @@ class Transfer:
         """Sets flow.velocity and flow.work.face_mass from the particles, which must be sorted."""
         raise NotImplementedError
 
-    def to_particles(self, flow: Flow) -> None:
-        """Sets the velocities of the particles from flow.velocity, at the positions of `to_grid`."""
+    def to_particles(self, flow: Flow) -> bool:
+        """Sets the velocities of the particles from flow.velocity, at the positions of `to_grid`. Returns whether they
+        are now what the linear kernel interpolates there.
+        """
         raise NotImplementedError
 
     def renew(self, flow: Flow) -> None:
@@ -75,10 +77,10 @@ class Pic(Transfer):
         faces = (flow.velocity, flow.work.face_mass)
         _core.to_faces(*_cloud(flow), flow.particles.velocity, None, *faces, flow.interfaces)
 
-    def to_particles(self, flow: Flow) -> None:
+    def to_particles(self, flow: Flow) -> bool:
         """Interpolates the velocity of the grid."""
         interpolate(flow, flow.velocity, flow.particles.velocity)
-        flow.interpolated = flow.kernel == "linear"
+        return flow.kernel == "linear"
 
 
 class Fmpm(Pic):
@@ -146,11 +148,11 @@ class Flip(Pic):
         flow.drag = flow.drag or flow.grid.faces(1.0)
         super().to_grid(flow)
 
-    def to_particles(self, flow: Flow) -> None:
+    def to_particles(self, flow: Flow) -> bool:
         """Adds what forces and pressure changed; what a particle had is reduced by the drag where it is."""
         faces = (flow.velocity, velocity_change(flow), flow.drag)
         _core.to_particles(*_cloud(flow), *faces, self.share, flow.particles.velocity, flow.interfaces)
-        flow.interpolated = False
+        return False
 
 
 def velocity_change(flow: Flow) -> Faces:
@@ -185,10 +187,11 @@ class Apic(Pic):
         p, faces = flow.particles, (flow.velocity, flow.work.face_mass)
         _core.to_faces(*_cloud(flow), p.velocity, p["affine"], *faces, flow.interfaces)
 
-    def to_particles(self, flow: Flow) -> None:
+    def to_particles(self, flow: Flow) -> bool:
         """Interpolates the velocity of the grid and its gradient."""
-        super().to_particles(flow)
+        linear = super().to_particles(flow)
         self.renew(flow)
+        return linear
 
     def renew(self, flow: Flow) -> None:
         """Takes the velocity gradient of the grid where the particles are: without it remeshing would be PIC."""
