@@ -70,7 +70,6 @@ LAYERS = (
         "case.build",
         "case.instruments",
         "flow.rows",
-        "check.section",
         "check.waves",
         "check.boundaries",
         "check.cost",
