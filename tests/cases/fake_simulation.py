@@ -32,8 +32,8 @@ class Simulation:
     volume_drift = 0.0
     lag: ClassVar[dict[str, float]] = {"velocity": 0.5, "pressure": 1.0}
 
-    def __init__(self, case, threads=None):
-        self.case, self.grid = case, case.domain.grid
+    def __init__(self, setup, threads=None):
+        self.setup, self.grid = setup, setup.grid
         x, z = np.meshgrid(np.arange(0.005, 0.2, 0.01), np.arange(0.005, 0.1, 0.01))
         position = np.stack([x.ravel(), z.ravel()], axis=1)
         volume = np.full(len(position), self.grid.cell_volume / 4)
