@@ -151,7 +151,7 @@ def test_the_parts_of_a_simulation_answer_in_its_tree():
     sim.advance(100.0)
     names = {key.rpartition("/")[0] for key in sim.state()}
     assert names >= {"flow", "flow/particles", "flow/boundaries/0", "flow/boundaries/1", "flow/boundaries/1/command",
-                     "ledger", "step/remeshing", "observers"}  # fmt: skip
+                     "ledger", "step/remeshing", "observers/overtopping"}  # fmt: skip
 
     class Silent(Component):
         def parts(self):
