@@ -147,7 +147,7 @@ def test_a_boundary_that_forgets_its_state_is_found():
 
 def test_the_parts_of_a_simulation_answer_in_its_tree():
     """Each part by its name; what does not answer is no part."""
-    sim = Simulation(build(load(FLUME)), 1)
+    sim = Simulation(build(load({**FLUME, "overtopping": [{"x": 0.5}]})), 1)
     sim.advance(100.0)
     names = {key.rpartition("/")[0] for key in sim.state()}
     assert names >= {"flow", "flow/particles", "flow/boundaries/0", "flow/boundaries/1", "flow/boundaries/1/command",
