@@ -140,32 +140,12 @@ def theories(console: Console) -> None:
     console.print(escape(words), highlight=False)
 
 
-MAKERS: Rows = {
-    "source": (
-        "A force inside the water: regular waves and sums of cosines, to one side or both, oblique in 3D. Wants a "
-        "sponge behind it.",
-        "Wei, Kirby & Sinha (1999); the paper's (4), (5)",
-    ),
-    "zone": (
-        "Relaxation zone at the left wall, one and a half wavelengths: every wave of theory along x, takes up what "
-        "comes back.",
-        "after Jacobsen, Fuhrman & Fredsoe (2012)",
-    ),
-    "piston": (
-        "A wall that moves: every wave along x; regular ones to second order, long and solitary ones follow the water. "
-        "absorb = true takes up what comes back.",
-        "Biesel & Suquet (1951); Schaffer (1996); Goring (1979)",
-    ),
-    "[[absorber]]": (
-        "A wall that moves with the waves that reach it: active absorption at an end of the water.",
-        "Schaffer & Klopman (2000); pressure on the face, docs/theory.md, section 14",
-    ),
-    "[[sponge]]": ("A linear resistance that grows towards a side of the tank.", "docs/theory.md, section 14"),
-}
-
-
 def makers(console: Console) -> None:
-    console.print(_rows("makers", MAKERS))
+    """What makes waves, damps them, lets water through or moves: tables of the case file, or of [waves]."""
+    from houle.case.model import Case
+
+    named = {f"[[{name}]]" if name in Case.model_fields else name: row for name, row in choices("boundary").items()}
+    console.print(_rows("boundaries", {name: (row.what, row.source) for name, row in named.items()}))
 
 
 TOPICS: dict[str, Callable[[Console], None]] = {

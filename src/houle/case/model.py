@@ -21,12 +21,11 @@ from houle.case import messages
 from houle.case.consistency import disagreements, prefixes
 from houle.case.reading import find, override, plain, read_toml, to_toml
 from houle.case.tables.base import Table
+from houle.case.tables.boundaries import Boundaries
 from houle.case.tables.control import Numerics, Output, Time
 from houle.case.tables.observed import Observed, Row
 from houle.case.tables.results import Reference, Reflection
-from houle.case.tables.sides import Open
-from houle.case.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
-from houle.case.tables.waves import Waves
+from houle.case.tables.tank import Domain, Fluid, Head, Porous, Solid, Water
 from houle.case.wave import make
 from houle.errors import CaseError
 from houle.registry import choices
@@ -34,7 +33,7 @@ from houle.waves.wave import Wave
 
 
 class Tank(Table):
-    """The tables of a case about the tank, the water and what moves it."""
+    """The tables of a case about the tank, the water and the bodies in it."""
 
     case: Head
     domain: Domain
@@ -44,11 +43,6 @@ class Tank(Table):
     ]
     porous: Annotated[tuple[Porous, ...], Field(strict=False, max_length=100, description="porous bodies")] = ()
     solid: Annotated[tuple[Solid, ...], Field(strict=False, description="impermeable bodies")] = ()
-    open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
-    gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
-    waves: Waves | None = None
-    sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
-    absorber: Annotated[tuple[Absorber, ...], Field(strict=False, description="walls that absorb waves")] = ()
 
 
 class Course(Table):
@@ -61,7 +55,7 @@ class Course(Table):
     reference: Reference | None = None
 
 
-class Case(Course, Observed, Tank):
+class Case(Course, Observed, Boundaries, Tank):
     """A case file of houle: waves and dam-break flow through porous structures. SI units throughout."""
 
     _path: Path | None = PrivateAttr(None)

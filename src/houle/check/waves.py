@@ -21,7 +21,7 @@ from houle.case.build import source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection
-from houle.case.tables.tank import Sponge
+from houle.case.tables.boundaries import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
 from houle.case.wave import read_record
 from houle.check.finding import Finding

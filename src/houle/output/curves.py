@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from houle.case.model import Case
 from houle.data.laboratory import Data
 from houle.flow.ledger import OPERATIONS
 from houle.grid import FloatArray, Grid, axes
@@ -21,7 +21,7 @@ LEFT = 0.78  # inches, for numbers and units
 MOST = 10  # gauges in a picture
 
 
-def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
+def ledger_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
     """The ledger of a run against time: energy and its changes, water volume, iterations and time step."""
     energy = "J/m" if grid.dimension == 2 else "J"
     split = {name: key for name in OPERATIONS if (key := f"energy_{name}") in series and series[key].values.any()}
@@ -46,7 +46,7 @@ def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
         return page.save(path)
 
 
-def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
+def gauges_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
     """The free surface at the gauges, of many at some; pressure and horizontal Darcy velocity at the sensors."""
     rows: list[tuple[str, str, Curves]] = []
     words = "gauges and sensors  ·  a gap is a dry gauge"

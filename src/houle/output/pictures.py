@@ -19,6 +19,7 @@ from houle.observe.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
 from houle.output.drawing import LABORATORY, SHADE, WATER, colour_bar, headings, sheet
+from houle.output.fields import FieldsReader
 from houle.output.labels import title
 from houle.output.pressure import BAR, pressure_scale
 from houle.output.section import SectionPicture, length
@@ -29,7 +30,7 @@ __all__ = ["gauges_picture", "ledger_picture", "plan_picture", "pressure_picture
 
 
 def write_pictures(
-    directory: Path | str, case: Case, grid: Grid, series: Data, surface: Data, fields: Any
+    directory: Path | str, case: Case, grid: Grid, series: Data, surface: Data, fields: FieldsReader
 ) -> list[Path]:
     """All pictures that the run has data for. fields: a FieldsReader; case: for bodies, gates and laboratory points."""
     folder = Path(directory)
@@ -73,7 +74,7 @@ def surface_picture(path: Path, case: Case, grid: Grid, surface: Data, points: l
         return page.save(path)
 
 
-def pressure_picture(path: Path, case: Case, fields: Any, points: laboratory.Points | None = None) -> Path:
+def pressure_picture(path: Path, case: Case, fields: FieldsReader, points: laboratory.Points | None = None) -> Path:
     """Particles coloured by their pressure, at the size of the space they fill; in 3D those of the middle section."""
     frames = [fields.frame(fields.nearest(time)) for time in _times(fields.times, points)]
     section = SectionPicture(case, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
