@@ -250,7 +250,7 @@ def test_an_unknown_topic_or_option_is_bad_input(here):
 
 
 def test_validate_gives_its_status_on(here, monkeypatch):
-    monkeypatch.setattr("houle.validation.validate", lambda names, **options: len(names))
+    monkeypatch.setattr("houle.validation.engine.validate", lambda names, **options: len(names))
     assert houle_says("validate", "standing-wave")[0] == 1
 
 

@@ -13,8 +13,8 @@ import math
 from functools import partial
 from typing import Any
 
-from houle.boundary.internal_source import Source, source_width
 from houle.case.instruments import instruments
+from houle.case.maker import law_of_piston, source_of
 from houle.case.model import Case
 from houle.case.tables.tank import Porous, Resistance
 from houle.case.tables.waves import Waves
@@ -25,7 +25,7 @@ from houle.flow.viscosity import longest_step
 from houle.medium.resistance import LAWS, Pair, from_permeability, inertia_coefficient
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import shape_of
-from houle.waves.piston import Law, Reading, law_of, reading_of
+from houle.observe.snapshot import Snapshots
 from houle.waves.wave import Wave
 
 
@@ -48,6 +48,7 @@ def build(case: Case) -> Setup:
         settles=not any(BOUNDARIES[key].divides for key, _ in case.standing),
         boundaries=_boundaries(case, wave),
         instruments=instruments(case),
+        frames=Snapshots,
         wave=wave,
     )
 
@@ -143,19 +144,3 @@ def maker(case: Case, waves: Waves, wave: Wave) -> tuple[str, dict[str, Any]]:
     if waves.zone is not None:
         return "zone", {"x": waves.zone.x}
     return "source", {"source": source_of(waves, wave), "kind": waves.kind, "current": waves.current}
-
-
-def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
-    """How the piston of a case moves, what it reads, and where it stands at rest [m]. Raises CaseError."""
-    waves = case.waves
-    assert waves is not None and waves.piston is not None
-    rest = case.domain.grid.nearest_face(waves.piston.x)
-    read = reading_of(wave, wave.depth, wave.gravity)
-    return law_of(wave, rest, read, waves.ramp_time(), regular=waves.kind == "regular"), read, rest
-
-
-def source_of(table: Waves, wave: Wave) -> Source:
-    """The source of [waves], its width known."""
-    given = table.source
-    assert given is not None
-    return Source(given.x, source_width(given.width, table.kind, wave), given.form, given.side)

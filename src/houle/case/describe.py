@@ -71,13 +71,12 @@ def numerics(console: Console) -> None:
 
 def everything_written() -> Iterator[Field]:
     """Every quantity that a run can write: on particles, on the grid, over the plan, in the series."""
-    from houle.case.instruments import ALWAYS
+    from houle.case.instruments import ALWAYS, asked_by_tables
     from houle.case.model import Case
     from houle.fields import TIME
-    from houle.observe import profile, snapshot
-    from houle.observe.observer import asked_by_tables
+    from houle.flow import snapshot
 
-    yield from (*snapshot.PARTICLES, *snapshot.FACES, *snapshot.CELLS, profile.ETA, TIME)
+    yield from (*snapshot.PARTICLES, *snapshot.FACES, *snapshot.CELLS, snapshot.ETA, TIME)
     asked = asked_by_tables()
     for observer in (*(asked[key] for key in Case.observed()), *ALWAYS):
         yield from observer.fields

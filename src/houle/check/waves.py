@@ -17,7 +17,7 @@ import shapely
 from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
 from houle.boundary.sponge import sides
 from houle.case.acting import Reach, reach
-from houle.case.build import source_of
+from houle.case.maker import source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection

@@ -11,7 +11,7 @@ from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from houle.case.model import Case
-from houle.observe.snapshot import Snapshot
+from houle.flow.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
 from houle.output.drawing import colour_bar

@@ -15,7 +15,7 @@ from houle.output import Checkpoint, checkpoints, read_manifest, write_manifest
 from houle.output.atomic import DAMAGES, OutputError, told, write_text
 from houle.output.checkpoint import load as load_checkpoint
 from houle.running.progress import Silent
-from houle.running.recorder import Recorder
+from houle.running.recorder import Nowhere, Recorder
 
 if TYPE_CHECKING:
     from houle.flow.simulation import Simulation
@@ -114,7 +114,7 @@ def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[
         simulation = Simulation(build(case), threads)
         simulation.restore(state)
         known = simulation.state()
-        recorder = Recorder(None, case.time.end, case.output.every, case.output.series_every)
+        recorder = Recorder(Nowhere(), case.time.end, case.output.every, case.output.series_every)
         recorder.restore(checkpoint.state)
         agrees = recorder.agrees(simulation)
     except HouleError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -170,6 +170,8 @@ class Water(Shape):
 class Solid(Shape):
     """[[solid]]: impermeable."""
 
+    prefix: ClassVar[str] = "solid-"
+
     name: Name = Field(default="", description="name in messages and pictures; solid-1, ... when left out")
 
 
@@ -237,6 +239,8 @@ class Resistance(Table):
 
 class Porous(Shape):
     """[[porous]]: a rigid porous body."""
+
+    prefix: ClassVar[str] = "porous-"
 
     name: Name = Field(default="", description="name in messages, pictures and --set; porous-1, ... when left out")
     porosity: float = Field(gt=0, le=1, description="pore volume / total volume [-]", examples=[0.45])
