@@ -173,7 +173,7 @@ def validate(
     ] = None,
 ) -> None:
     """Run shipped cases, print the measured error beside tolerance and peers. Status 1 if one falls short."""
-    from houle.validation import validate as compare
+    from houle.validation.engine import validate as compare
 
     raise typer.Exit(compare(names, quick=quick, threads=threads, out=out, variants=variants))
 

@@ -8,11 +8,13 @@ one unit in 3D and another in 2D, where a run is one metre wide: `Field.unit_in(
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 Instant = Literal["position", "velocity", "pressure", "middle"]
 
+RUN = "run"  # place of what has one value for all of the water
 LEVEL = "water_surface_height_above_reference_datum"  # a name of the CF table
 
 
@@ -50,3 +52,22 @@ class Field:
 
 
 TIME = Field("time", "t", "s", "run", "simulated time since the start of the run")
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Where the values of an observer stand in series.nc.
+
+    names        one for each value along the dimension
+    coordinates  word -> (sentence, values [m]): the variable gauge_x of the dimension gauge has the word x
+    fields       the quantities that stand there; all have the same place
+    """
+
+    names: Sequence[str]
+    coordinates: Mapping[str, tuple[str, Sequence[float]]]
+    fields: Sequence[Field]
+
+    @property
+    def dimension(self) -> str:
+        """The name of the dimension along which the values stand; RUN where there is one value for the whole run."""
+        return self.fields[0].place

@@ -19,6 +19,7 @@ TABLES = {
     "law": ("houle.medium.resistance", "LAWS"),
     "theory": ("houle.waves.wave", "THEORIES"),
     "waves": ("houle.waves.wave", "KINDS"),
+    "boundary": ("houle.flow.boundaries", "BOUNDARIES"),
     "scheme": ("houle.flow.schemes", "SCHEMES"),
     "transfer": ("houle.flow.transfer", "TRANSFERS"),
     "kernel": ("houle.flow.kernels", "KERNELS"),
@@ -93,7 +94,7 @@ class Choices(Mapping[str, R]):
 
 
 def choices(kind: str) -> Choices[Any]:
-    """The table of a kind of choice: "law", "theory", "waves", "scheme", "transfer", "kernel" or "remesh"."""
+    """The table of a kind of choice, one of `TABLES`."""
     module, name = TABLES[kind]
     table: Choices[Any] = getattr(import_module(module), name)
     return table

@@ -15,7 +15,7 @@ import numpy as np
 
 from houle.errors import SimulationError
 from houle.flow.particles import Particles
-from houle.observe.snapshot import Snapshot
+from houle.flow.snapshot import Snapshot
 
 CASE = {
     "case": {"name": "tank"},

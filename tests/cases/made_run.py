@@ -6,8 +6,8 @@ import numpy as np
 
 from houle.case.instruments import instruments
 from houle.case.model import load
+from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
-from houle.observe.snapshot import Snapshot
 from houle.output import Outputs, about
 
 SINGLE = 2e-7  # relative rounding of float32, in which fields are stored

@@ -18,10 +18,10 @@ from houle.case.tables.base import Name, Point2
 from houle.case.tables.observed import Row
 from houle.check.rules import require
 from houle.errors import CaseError
-from houle.fields import Field
+from houle.fields import Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, outside
 
 # ---- the file in houle/observe -----------------------------------------------------------------------------------
 

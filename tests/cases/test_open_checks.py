@@ -2,8 +2,8 @@
 
 import pytest
 
-from houle.case.build import records
 from houle.case.model import load
+from houle.case.tables.boundaries import records
 from houle.check import rules
 from houle.check.report import open_rows
 from houle.errors import CaseError

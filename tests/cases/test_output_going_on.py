@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 from made_run import assert_same_frame, made_case, made_frame, made_grid, made_outputs, write
 
-from houle.observe.snapshot import Snapshot
+from houle.flow.snapshot import Snapshot
 from houle.output import (
     OutputError,
     checkpoints,

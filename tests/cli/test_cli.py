@@ -227,7 +227,7 @@ def test_every_choice_of_the_case_file_is_described(here):
     """With what it is and where it comes from, under its topic, and as a value in the schema of the case file."""
     topics = {
         "law": "resistance", "theory": "theories", "waves": "theories", "scheme": "numerics", "transfer": "transfers",
-        "kernel": "kernels", "remesh": "remeshing",
+        "kernel": "kernels", "remesh": "remeshing", "boundary": "makers",
     }  # fmt: skip
     assert topics.keys() == TABLES.keys()
     schema = houle_says("describe", "schema")[1]
@@ -250,7 +250,7 @@ def test_an_unknown_topic_or_option_is_bad_input(here):
 
 
 def test_validate_gives_its_status_on(here, monkeypatch):
-    monkeypatch.setattr("houle.validation.validate", lambda names, **options: len(names))
+    monkeypatch.setattr("houle.validation.engine.validate", lambda names, **options: len(names))
     assert houle_says("validate", "standing-wave")[0] == 1
 
 

@@ -14,11 +14,12 @@ from houle import load
 from houle.boundary.absorbing import Drive
 from houle.boundary.gate import Gate
 from houle.boundary.internal_source import Source, make_source
-from houle.boundary.open_side import OpenSide, Record
+from houle.boundary.open_side import OpenSide
 from houle.boundary.paddle import Command, Paddle
 from houle.boundary.relaxation_zone import RelaxationZone
 from houle.boundary.sponge import Sponge
 from houle.case.build import build
+from houle.data.history import Record
 from houle.errors import CaseError
 from houle.flow.boundaries import Boundary
 from houle.flow.simulation import Simulation

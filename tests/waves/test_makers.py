@@ -3,12 +3,18 @@
 import numpy as np
 import pytest
 
-from houle.boundary.internal_source import FiniteSource, InternalSource
-from houle.case.build import make_maker
+from houle.boundary.internal_source import FiniteSource, InternalSource, make_source
+from houle.case.maker import source_of
 from houle.case.tables.waves import Waves
 from houle.case.wave import make
 from houle.grid import Grid
 from houle.waves.wave import WaveError
+
+
+def make_maker(table, wave, grid):
+    """The force of a source, as a run makes it."""
+    return make_source(source_of(table, wave), table.kind, wave, grid, table.ramp_time(), table.current)
+
 
 TABLE = {"kind": "regular", "height": 0.02, "period": 1.2, "depth": 0.25}
 

@@ -19,10 +19,13 @@ from math import pi
 import numpy as np
 
 from houle.boundary.paddle import Command, Paddle
+from houle.flow.boundaries import BOUNDARIES, BoundaryKind, Surroundings
 from houle.flow.component import State
+from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid
-from houle.waves.piston import Law, Reading
+from houle.medium.medium import Medium
+from houle.waves.piston import Law, Reading, reading_of
 
 READINGS = 4  # through which the line goes
 TERMS = 200  # of the pressure on an accelerated wall
@@ -99,3 +102,57 @@ def pushed(z: FloatArray, depth: float) -> FloatArray:
     k = (np.arange(TERMS) + 0.5) * pi / depth
     terms = 2 / (depth * k**2) * np.where(np.arange(TERMS) % 2, -1.0, 1.0)
     return np.where(z < depth, np.cos(np.outer(z, k)) @ terms, 0.0)
+
+
+def _piston(
+    case: Surroundings,
+    grid: Grid,
+    medium: Medium,
+    water: Particles,
+    *,
+    rest: float,
+    law: Law,
+    read: Reading,
+    absorb: bool,
+) -> Paddle:
+    return Paddle("piston", grid, rest, 1, Drive(law, read, grid, absorb))
+
+
+def _absorber(
+    case: Surroundings,
+    grid: Grid,
+    medium: Medium,
+    water: Particles,
+    *,
+    name: str,
+    x: float,
+    side: str,
+    period: float | None,
+) -> Paddle:
+    """It absorbs by the depth of the water where it stands."""
+    rest, way = grid.nearest_face(x), 1 if side == "left" else -1
+    column = round(rest / grid.spacing[0]) + min(way, 0)
+    depth = float(np.mean(water.depths(grid)[column]))
+    read = reading_of(case.wave, depth, case.gravity, period)
+    return Paddle(name, grid, rest, way, Drive(None, read, grid, True))
+
+
+BOUNDARIES.add(
+    BoundaryKind(
+        "piston",
+        "A wall that moves: every wave along x; regular ones to second order, long and solitary ones follow the water. "
+        "absorb = true takes up what comes back.",
+        "Biesel & Suquet (1951); Schaffer (1996); Goring (1979)",
+        _piston,
+        place=1,
+    )
+)
+BOUNDARIES.add(
+    BoundaryKind(
+        "absorber",
+        "A wall that moves with the waves that reach it: active absorption at an end of the water.",
+        "Schaffer & Klopman (2000); pressure on the face, docs/theory.md, section 14",
+        _absorber,
+        place=2,
+    )
+)

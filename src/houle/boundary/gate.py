@@ -12,10 +12,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from houle.flow.boundaries import Boundary, Row
+from houle.flow.boundaries import BOUNDARIES, Boundary, BoundaryKind, Row, Surroundings
 from houle.flow.component import State
+from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid, SingleFaces
+from houle.medium.medium import Medium
 
 
 class Gate(Boundary):
@@ -47,3 +49,22 @@ class Gate(Boundary):
 
     def restore(self, state: Mapping[str, FloatArray]) -> None:
         self.row = int(state["row"])
+
+
+def _make(
+    case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, x: float, speed: float, start: float
+) -> Gate:
+    return Gate(grid, x, speed, start)
+
+
+BOUNDARIES.add(
+    BoundaryKind(
+        "gate",
+        "A thin plate across the tank that is lifted.",
+        "docs/decisions/0020",
+        _make,
+        place=0,
+        full_height=False,
+        divides=True,
+    )
+)

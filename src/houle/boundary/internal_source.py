@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.errors import CaseError
-from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings
+from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
+from houle.medium.medium import Medium
 from houle.waves.dispersion import frequency, group_velocity
 from houle.waves.finite import SHARPNESS, Potential, Spectrum, potential
 from houle.waves.wave import Components, Wave, WaveError, ramp
@@ -296,3 +298,22 @@ def make_source(
     if kind == "regular":
         parts = parts.first
     return InternalSource.of(source, parts, wave, grid, duration, current)
+
+
+def _make(
+    case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, source: Source, kind: str, current: float
+) -> InternalSource | FiniteSource:
+    assert case.wave is not None
+    return make_source(source, kind, case.wave, grid, case.ramp, current)
+
+
+BOUNDARIES.add(
+    BoundaryKind(
+        "source",
+        "A force inside the water: regular waves and sums of cosines, to one side or both, oblique in 3D. Wants a "
+        "sponge behind it.",
+        "Wei, Kirby & Sinha (1999); the paper's (4), (5)",
+        _make,
+        place=4,
+    )
+)

@@ -33,12 +33,14 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from houle.data.history import Record
 from houle.errors import CaseError, SimulationError
-from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings
 from houle.flow.component import State
 from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
+from houle.medium.medium import Medium
 from houle.waves.wave import Wave, ramp
 
 NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
@@ -47,17 +49,6 @@ THIN = 0.25  # of a half cell: less water at the surface belongs to the half cel
 SPARE = 1e-3  # by which a particle may be overfull: water that hardly moves makes no specks
 EDGE = 1e-6  # cells from the side: a particle that the side has stopped
 KEPT = ("follows", "owed", "came", "went", "outgoing")  # numbers that the next step depends on
-
-
-@dataclass(frozen=True)
-class Record:
-    """A value against time: linear between its points, constant before and after."""
-
-    time: FloatArray
-    value: FloatArray
-
-    def at(self, t: float) -> float:
-        return float(np.interp(t, self.time, self.value))
 
 
 @dataclass(eq=False)
@@ -463,3 +454,34 @@ def _velocity(tank: Tank, side: OpenSide, position: FloatArray) -> FloatArray:
         s = position[:, a] / h[a] - cell[a - 1]
         velocity[:, a] = (1 - s) * u[low] + s * u[high]
     return velocity
+
+
+def _make(
+    case: Surroundings,
+    grid: Grid,
+    medium: Medium,
+    water: Particles,
+    *,
+    side: str,
+    prescribed: dict[str, Record],
+    ramp: float,
+    response: float | None,
+) -> OpenSide:
+    """The left side belongs to the wave that a relaxation zone makes."""
+    far, faces = side == "right", medium.open_faces[0].astype(float)
+    made = OpenSide.of(far, prescribed, ramp, response, case.gravity, grid, faces, water)
+    if case.zone is not None and not far:
+        made.wave, made.wave_ramp = case.wave, case.ramp
+        made.long_from = case.zone[1] if case.lets_long else 0.0
+    return made
+
+
+BOUNDARIES.add(
+    BoundaryKind(
+        "open",
+        "A side through which water comes and goes: at a velocity, with a discharge, or towards a level.",
+        "Flather (1976); docs/theory.md",
+        _make,
+        place=3,
+    )
+)

@@ -12,9 +12,11 @@ import numpy as np
 
 from houle.boundary.sponge import damping
 from houle.errors import CaseError
-from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings
+from houle.flow.particles import Particles
 from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
+from houle.medium.medium import Medium
 from houle.waves.wave import Wave, WaveError, ramp
 
 FIRM, HARD = 2.0, 8.0  # of a zone where it begins to damp, in the strength of a sponge; and at the wall, in that
@@ -104,3 +106,22 @@ def smooth(s: FloatArray) -> FloatArray:
     """0 below 0, 1 above 1, smooth between (two continuous derivatives)."""
     s = np.clip(s, 0, 1)
     return s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def _make(
+    case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, x: tuple[float, float]
+) -> RelaxationZone:
+    assert case.wave is not None
+    return RelaxationZone.of(x, case.wave, grid, case.ramp, wall=not case.open_left)
+
+
+BOUNDARIES.add(
+    BoundaryKind(
+        "zone",
+        "Relaxation zone at the left wall, one and a half wavelengths: every wave of theory along x, takes up what "
+        "comes back.",
+        "after Jacobsen, Fuhrman & Fredsoe (2012)",
+        _make,
+        place=4,
+    )
+)

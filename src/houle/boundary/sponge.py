@@ -5,12 +5,14 @@ It enters the implicit drag with the pressure, and limits no time step.
 
 from __future__ import annotations
 
-from math import exp, log
+from math import exp, log, sqrt
 
 import numpy as np
 
-from houle.flow.boundaries import Boundary
+from houle.flow.boundaries import BOUNDARIES, Boundary, BoundaryKind, Surroundings
+from houle.flow.particles import Particles
 from houle.grid import Faces, FloatArray, Grid
+from houle.medium.medium import Medium
 
 LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
 
@@ -72,3 +74,24 @@ class Sponge(Boundary):
     def resist(self, rate: Faces) -> None:
         for axis, r in enumerate(rate):
             r += self.strength * way_in(self.box, self.grid.points(axis), self.grid) ** 2
+
+
+def _make(
+    case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, name: str, box: Box, strength: float | None
+) -> Sponge:
+    """As strong as asked for, or as takes up the waves that are made, or long waves."""
+    highest = float(water.position[:, -1].max())
+    speed = sqrt(case.gravity * highest) if case.wave is None else case.wave.group_velocity
+    return Sponge(grid, box, strength or damping(speed, way_length(box, grid)), name)
+
+
+BOUNDARIES.add(
+    BoundaryKind(
+        "sponge",
+        "A linear resistance that grows towards a side of the tank.",
+        "docs/theory.md, section 14",
+        _make,
+        place=5,
+        full_height=False,
+    )
+)

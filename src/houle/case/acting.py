@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 from houle.boundary.internal_source import ACTS
-from houle.case.build import law_of_piston, source_of
+from houle.case.maker import law_of_piston, source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection

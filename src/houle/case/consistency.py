@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import get_args
 
 from houle.case import messages
-from houle.case.tables.observed import Observed
-
-if TYPE_CHECKING:
-    from houle.case.model import Case
-
-PREFIXES = {"porous": "porous-", "solid": "solid-", "sponge": "sponge-", "absorber": "absorber-"}  # of names
-
-
-def prefixes(case: type[Observed]) -> dict[str, str]:
-    """The tables whose rows have names that must differ, and the prefix of those that are left out."""
-    return PREFIXES | {key: row.prefix for key, row in case.observed().items()}
-
+from houle.case.tables.whole import Tables
 
 WEAK = 1e-3  # [m/s2] gravity that makes no waves worth the name
 
 
-def disagreements(case: Case) -> list[str]:
+def prefixes(case: type[Tables]) -> dict[str, str]:
+    """The tables whose rows have names that must differ, and the prefix of those that are left out."""
+    rows = {key: (*get_args(info.annotation), None)[0] for key, info in case.model_fields.items()}
+    return {key: row.prefix for key, row in rows.items() if getattr(row, "prefix", "")}
+
+
+def disagreements(case: Tables) -> list[str]:
     """One line per finding: key, value, cure."""
     d, found = case.domain.dimension, []
     for key in ("water", "porous", "solid", "sponge"):
@@ -60,7 +55,7 @@ def disagreements(case: Case) -> list[str]:
     return found + _reflection_fits(case)
 
 
-def _observables_fit(case: Case) -> list[str]:
+def _observables_fit(case: Tables) -> list[str]:
     """Messages on tables of observables that contradict the rest of the case."""
     bodies = {"porous": tuple(b.name for b in case.porous), "solid": tuple(b.name for b in case.solid)}
     return [
@@ -71,7 +66,7 @@ def _observables_fit(case: Case) -> list[str]:
     ]
 
 
-def _reflection_fits(case: Case) -> list[str]:
+def _reflection_fits(case: Tables) -> list[str]:
     """Messages on [reflection] against waves, gauges and the tank."""
     asked = case.reflection
     if asked is None:

@@ -71,13 +71,12 @@ def numerics(console: Console) -> None:
 
 def everything_written() -> Iterator[Field]:
     """Every quantity that a run can write: on particles, on the grid, over the plan, in the series."""
-    from houle.case.instruments import ALWAYS
+    from houle.case.instruments import ALWAYS, asked_by_tables
     from houle.case.model import Case
     from houle.fields import TIME
-    from houle.observe import profile, snapshot
-    from houle.observe.observer import asked_by_tables
+    from houle.flow import snapshot
 
-    yield from (*snapshot.PARTICLES, *snapshot.FACES, *snapshot.CELLS, profile.ETA, TIME)
+    yield from (*snapshot.PARTICLES, *snapshot.FACES, *snapshot.CELLS, snapshot.ETA, TIME)
     asked = asked_by_tables()
     for observer in (*(asked[key] for key in Case.observed()), *ALWAYS):
         yield from observer.fields
@@ -140,32 +139,12 @@ def theories(console: Console) -> None:
     console.print(escape(words), highlight=False)
 
 
-MAKERS: Rows = {
-    "source": (
-        "A force inside the water: regular waves and sums of cosines, to one side or both, oblique in 3D. Wants a "
-        "sponge behind it.",
-        "Wei, Kirby & Sinha (1999); the paper's (4), (5)",
-    ),
-    "zone": (
-        "Relaxation zone at the left wall, one and a half wavelengths: every wave of theory along x, takes up what "
-        "comes back.",
-        "after Jacobsen, Fuhrman & Fredsoe (2012)",
-    ),
-    "piston": (
-        "A wall that moves: every wave along x; regular ones to second order, long and solitary ones follow the water. "
-        "absorb = true takes up what comes back.",
-        "Biesel & Suquet (1951); Schaffer (1996); Goring (1979)",
-    ),
-    "[[absorber]]": (
-        "A wall that moves with the waves that reach it: active absorption at an end of the water.",
-        "Schaffer & Klopman (2000); pressure on the face, docs/theory.md, section 14",
-    ),
-    "[[sponge]]": ("A linear resistance that grows towards a side of the tank.", "docs/theory.md, section 14"),
-}
-
-
 def makers(console: Console) -> None:
-    console.print(_rows("makers", MAKERS))
+    """What makes waves, damps them, lets water through or moves: tables of the case file, or of [waves]."""
+    from houle.case.model import Case
+
+    named = {f"[[{name}]]" if name in Case.model_fields else name: row for name, row in choices("boundary").items()}
+    console.print(_rows("boundaries", {name: (row.what, row.source) for name, row in named.items()}))
 
 
 TOPICS: dict[str, Callable[[Console], None]] = {

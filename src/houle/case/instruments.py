@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Iterator
+from importlib import import_module
 from typing import Any
 
+from houle import observe
 from houle.case.model import Case
+from houle.flow.observer import Instruments, Observer, Site
 from houle.medium.shapes import shape_of
 from houle.observe.ledger import Books, LedgerRow
-from houle.observe.observer import Instruments, Observer, Site, asked_by_tables
 from houle.observe.paddle import MovingWall, PaddlePositions
 
 ALWAYS: tuple[type[Observer[Any]], ...] = (PaddlePositions, LedgerRow)  # observers that no table asks for
+
+
+def asked_by_tables() -> dict[str, type[Observer[Any]]]:
+    """The observers that tables of the case file ask for, by the key of the table: those of every file of
+    `houle.observe`, and others that have been defined.
+    """
+    for module in pkgutil.iter_modules(observe.__path__, "houle.observe."):
+        import_module(module.name)
+    return {observer.table: observer for observer in Observer.__subclasses__() if observer.table}
 
 
 def site_of(case: Case) -> Site:

@@ -20,48 +20,15 @@ from pydantic.fields import FieldInfo
 from houle.case import messages
 from houle.case.consistency import disagreements, prefixes
 from houle.case.reading import find, override, plain, read_toml, to_toml
-from houle.case.tables.base import Table
-from houle.case.tables.control import Numerics, Output, Time
-from houle.case.tables.observed import Observed, Row
-from houle.case.tables.results import Reference, Reflection
-from houle.case.tables.sides import Open
-from houle.case.tables.tank import Absorber, Domain, Fluid, Gate, Head, Porous, Solid, Sponge, Water
-from houle.case.tables.waves import Waves
+from houle.case.tables.observed import Row
+from houle.case.tables.whole import Tables
 from houle.case.wave import make
 from houle.errors import CaseError
 from houle.registry import choices
 from houle.waves.wave import Wave
 
 
-class Tank(Table):
-    """The tables of a case about the tank, the water and what moves it."""
-
-    case: Head
-    domain: Domain
-    fluid: Fluid = Fluid()
-    water: Annotated[
-        tuple[Water, ...], Field(strict=False, min_length=1, description="where water stands at the start")
-    ]
-    porous: Annotated[tuple[Porous, ...], Field(strict=False, max_length=100, description="porous bodies")] = ()
-    solid: Annotated[tuple[Solid, ...], Field(strict=False, description="impermeable bodies")] = ()
-    open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
-    gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
-    waves: Waves | None = None
-    sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
-    absorber: Annotated[tuple[Absorber, ...], Field(strict=False, description="walls that absorb waves")] = ()
-
-
-class Course(Table):
-    """The tables of a case about the course of the run and what is made of its results."""
-
-    time: Time
-    numerics: Numerics = Numerics()
-    output: Output = Output()
-    reflection: Reflection | None = None
-    reference: Reference | None = None
-
-
-class Case(Course, Observed, Tank):
+class Case(Tables):
     """A case file of houle: waves and dam-break flow through porous structures. SI units throughout."""
 
     _path: Path | None = PrivateAttr(None)
@@ -96,6 +63,11 @@ class Case(Course, Observed, Tank):
     def path(self) -> Path | None:
         """The file it came from, if any: other files it names lie beside it."""
         return self._path
+
+    @property
+    def title(self) -> str:
+        """Title of the pictures: that of the case, or its name."""
+        return self.case.title or self.case.name
 
     @property
     def laboratory(self) -> Path | None:

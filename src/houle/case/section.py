@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, sqrt
-from typing import Any
+from typing import Generic, TypeVar
 
 import numpy as np
 import shapely
@@ -12,6 +13,7 @@ from shapely.ops import polylabel
 
 from houle.case.messages import place
 from houle.case.model import Case
+from houle.case.tables.tank import Shape
 from houle.grid import FloatArray
 from houle.medium import sections, shapes
 from houle.medium.thin_solids import solid_windows
@@ -19,12 +21,15 @@ from houle.medium.thin_solids import solid_windows
 COLUMNS = 500  # looked at for the levels of the water
 
 
+Row = TypeVar("Row", bound=Shape, covariant=True)
+
+
 @dataclass(frozen=True)
-class Entry:
+class Entry(Generic[Row]):
     """One table of [[water]], [[porous]] or [[solid]]: its key in the file, its row, and the shape that it gives."""
 
     key: str
-    row: Any
+    row: Row
     shape: shapes.Shape
 
     @property
@@ -39,21 +44,20 @@ class CrossSection:
     def __init__(self, case: Case) -> None:
         self.case, self.grid = case, case.domain.grid
         self.window = (0.0, 0.0, case.domain.size[0], case.domain.size[-1])
-        self.water = self._entries("water")
-        self.porous = self._entries("porous")
-        self.solid = self._entries("solid")
+        self.water = self._entries("water", case.water)
+        self.porous = self._entries("porous", case.porous)
+        self.solid = self._entries("solid", case.solid)
         self.layers = sections.layers(self.grid, [entry.shape for entry in self.entries])
 
     @property
-    def entries(self) -> list[Entry]:
+    def entries(self) -> list[Entry[Shape]]:
         return [*self.water, *self.porous, *self.solid]
 
-    def _entries(self, key: str) -> list[Entry]:
+    def _entries(self, key: str, rows: Sequence[Row]) -> list[Entry[Row]]:
         d, tables = self.case.dimension, self.case.__dict__
-        rows = enumerate(getattr(self.case, key))
-        return [Entry(place((key, i), tables), row, shapes.shape_of(row, d)) for i, row in rows]
+        return [Entry(place((key, i), tables), row, shapes.shape_of(row, d)) for i, row in enumerate(rows)]
 
-    def area(self, entries: list[Entry], layer: shapes.Span) -> shapely.Geometry:
+    def area(self, entries: Sequence[Entry[Shape]], layer: shapes.Span) -> shapely.Geometry:
         """The part of the tank's section in a layer that the entries cover together."""
         return sections.section(self.grid, [entry.shape for entry in entries], layer)
 
@@ -62,7 +66,7 @@ class CrossSection:
         """The windows that thin solids part: they count as solid besides what is drawn."""
         return solid_windows(self.grid, [entry.shape for entry in self.solid])
 
-    def overlap(self, one: list[Entry], other: list[Entry]) -> tuple[float, tuple[float, ...]]:
+    def overlap(self, one: Sequence[Entry[Shape]], other: Sequence[Entry[Shape]]) -> tuple[float, tuple[float, ...]]:
         """Area [m2] of the largest common section over the layers, and the bounds of it in x, z [m]."""
         common = [shapely.intersection(self.area(one, y), self.area(other, y)) for y in self.layers]
         largest = max(common, key=lambda c: c.area)
@@ -116,12 +120,12 @@ class CrossSection:
         volume = sum(self.open_water(y).area * w for y, w in zip(self.layers, widths, strict=True))
         return volume / self.grid.cell_volume * 2**self.grid.dimension
 
-    def extent(self, entry: Entry) -> tuple[float, ...]:
+    def extent(self, entry: Entry[Shape]) -> tuple[float, ...]:
         """Length [m] of an entry inside the tank along each axis."""
         lower, upper = entry.shape.bounds
         return tuple(np.minimum(upper, self.case.domain.size) - np.maximum(lower, 0.0))
 
-    def thickness(self, entry: Entry) -> float:
+    def thickness(self, entry: Entry[Shape]) -> float:
         """Thickness that the grid has to resolve [m]: the largest circle inside a polygon, the shortest side of a box.
 
         A side that reaches from wall to wall does not count; inf when all do.

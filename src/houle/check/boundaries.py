@@ -11,15 +11,14 @@ from math import pi, sqrt
 import numpy as np
 import shapely
 
-from houle.boundary.open_side import NEAR, Record
+from houle.boundary.open_side import NEAR
 from houle.boundary.paddle import ROOM
 from houle.case.acting import MovingWall, moving_walls, reach
-from houle.case.build import history, records
 from houle.case.messages import place
 from houle.case.section import CrossSection
-from houle.case.tables.sides import Open
+from houle.case.tables.boundaries import Open, history, records
 from houle.check.finding import Finding
-from houle.data.history import shortcomings
+from houle.data.history import Record, shortcomings
 from houle.errors import CaseError, metres
 from houle.waves.dispersion import wave_number
 from houle.waves.wave import Wave

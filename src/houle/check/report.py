@@ -10,15 +10,14 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from houle.boundary.open_side import CROSSINGS, Record
+from houle.boundary.open_side import CROSSINGS
 from houle.boundary.sponge import damping, left_over, sides
 from houle.case.acting import reach
-from houle.case.build import law_of_piston, records, source_of
+from houle.case.maker import law_of_piston, source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection
-from houle.case.tables.sides import Open
-from houle.case.tables.tank import Sponge
+from houle.case.tables.boundaries import Open, Sponge, records
 from houle.case.tables.waves import Piston, Source
 from houle.check import gauges
 from houle.check.boundaries import inflow, water_beside
@@ -26,6 +25,7 @@ from houle.check.cost import price
 from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
 from houle.check.rules import require
 from houle.check.wave_theory import assess
+from houle.data.history import Record
 from houle.errors import CaseError
 from houle.grid import axes
 from houle.output.section import draw

@@ -158,13 +158,13 @@ def grid_resolves(s: CrossSection) -> Iterator[Finding]:
                 f"= {d:g} m against a thickness of {thick:.3g} m: a law averages over several grains, give "
                 f"grain_diameter <= {thick / 3:.2g} m, or a and b measured on the body.{hint}",
             )
-    for body in (*s.solid, *s.water):
-        thick, solid = s.thickness(body), body.row in s.case.solid
+    for shape in (*s.solid, *s.water):
+        thick, solid = s.thickness(shape), shape.row in s.case.solid
         what = "keep its form, below 1 it is made one thick" if solid else "flow as water does"
         if thick < FEWEST * h * (1 - 1e-9):
             yield Finding(
                 "warning",
-                body.key,
+                shape.key,
                 f"is {thick:.3g} m thick, {thick / h:.1f} spacings of {h:.3g} m: {FEWEST:g} or more {what}, "
                 f"domain.spacing = {thick / FEWEST:.2g}",
             )

@@ -17,11 +17,11 @@ import shapely
 from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
 from houle.boundary.sponge import sides
 from houle.case.acting import Reach, reach
-from houle.case.build import source_of
+from houle.case.maker import source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection
-from houle.case.tables.tank import Sponge
+from houle.case.tables.boundaries import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
 from houle.case.wave import read_record
 from houle.check.finding import Finding

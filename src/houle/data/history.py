@@ -50,6 +50,17 @@ class History:
         return True
 
 
+@dataclass(frozen=True)
+class Record:
+    """A value against time: linear between its points, constant before and after."""
+
+    time: FloatArray
+    value: FloatArray
+
+    def at(self, t: float) -> float:
+        return float(np.interp(t, self.time, self.value))
+
+
 def read_history(
     file: Path, columns: tuple[str, ...], key: str, least: int, start: float = 0.0, error: type[CaseError] = CaseError
 ) -> History:

@@ -6,12 +6,14 @@ cannot stand together the boundary itself says so, with the reason, when it join
 
 The methods see the tank (grid, medium, water), not the flow that calls them, and are called in this order: `join` once,
 `prepare` for the first pressure, and in each step `begin`, `drive`, `push`, `feed`, `impose`, `power`, `advance`,
-`exchange`. `houle.boundary` holds one kind in each of its files.
+`exchange`. `houle.boundary` holds one kind in each of its files, with its row of `BOUNDARIES`: what it is, and what
+makes it from the keys of its table in a case file.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import ClassVar, Literal, overload
 
 import numpy as np
@@ -21,6 +23,8 @@ from houle.flow.particles import Particles
 from houle.flow.remeshers import EVERYWHERE, Nodes
 from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, SingleFaces
+from houle.registry import Choices
+from houle.waves.wave import Wave
 
 Row = tuple[float, float]
 
@@ -217,3 +221,47 @@ class Boundaries(Component, Sequence[Boundary]):
         for boundary in self:
             boundary.push(t, self.pushes)
         return self.pushes
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a boundary may have to know of the rest of its case.
+
+    gravity    downwards [m/s2]
+    wave       the wave that is made in the tank, None without; ramp: time in which it grows [s]
+    zone       from where to where a relaxation zone leads the flow to that wave [m]; None without
+    lets_long  whether that zone lets long waves pass: those of a record, and of a single wave
+    open_left  whether the left side of the tank is open
+    """
+
+    gravity: float
+    wave: Wave | None = None
+    ramp: float = 0.0
+    zone: tuple[float, float] | None = None
+    lets_long: bool = False
+    open_left: bool = False
+
+
+@dataclass(frozen=True)
+class BoundaryKind:
+    """A kind of boundary as the case file, `houle describe makers` and `houle.case.build` know it.
+
+    name         of its table
+    make         (surroundings, grid, medium, water, **keys of its table) -> Boundary in a flow with this grid and
+                 medium, and this water at the start; CaseError where it cannot be
+    place        among the boundaries of a flow: lower ones first
+    full_height  whether it reaches over the whole height of the tank, all of whose rows of cells a run then keeps
+    divides      whether it can part the water of two columns of cells
+    """
+
+    name: str
+    what: str
+    source: str
+    make: Callable[..., Boundary]
+    place: int
+    range: str = ""
+    full_height: bool = True
+    divides: bool = False
+
+
+BOUNDARIES: Choices[BoundaryKind] = Choices("boundary", package="houle.boundary")

@@ -12,12 +12,14 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from houle.flow.boundaries import Boundary
+from houle.flow.observer import Instruments
 from houle.flow.particles import Particles
+from houle.flow.snapshot import Frames
+from houle.flow.state import Flow
 from houle.grid import Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import Shape
-from houle.observe.observer import Instruments
 from houle.waves.wave import Wave
 
 if TYPE_CHECKING:
@@ -101,6 +103,7 @@ class Setup:
     settles     whether water beside upright interfaces is seeded as flow leaves it (`Medium`): not where gates stand
     boundaries  functions that make one boundary each, in this order
     instruments what is observed, one entry for each kind of instrument
+    frames      what takes frames of a flow, on the grid of the domain, for a density [kg/m3]
     wave        the wave that is made, None without
     """
 
@@ -111,6 +114,7 @@ class Setup:
     numerics: Numerics
     time: TimeControl
     instruments: tuple[Instruments, ...]
+    frames: Callable[[Flow, Grid, float], Frames]
     bodies: tuple[PorousBody, ...] = ()
     solids: tuple[Shape, ...] = ()
     no_slip: tuple[tuple[bool, bool], ...] | None = None

@@ -19,21 +19,20 @@ from houle.flow.budget import Budget
 from houle.flow.component import Component, State, under
 from houle.flow.ledger import Ledger
 from houle.flow.motion import begin
+from houle.flow.observer import Now, Observer, Sample
 from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS
 from houle.flow.remeshing_schedule import Remeshing
 from houle.flow.rows import more_rows
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
+from houle.flow.snapshot import Snapshot
 from houle.flow.start import prepare
 from houle.flow.state import Flow
 from houle.flow.step import STEPS
 from houle.flow.surface import arrange
 from houle.flow.transfer import TRANSFERS
 from houle.medium.medium import Medium
-from houle.observe.observer import Now, Observer, Sample
-from houle.observe.profile import Profile
-from houle.observe.snapshot import Snapshot, Snapshots
 from houle.waves.wave import Wave
 
 
@@ -72,7 +71,7 @@ class Simulation(Component):
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
         arrange(self.flow)
         self.observers: list[Observer[Any]] = [kind.place(self.flow) for kind in setup.instruments]
-        self.snapshots, self.profile = Snapshots(self.flow, self.grid, fluid.density), Profile(self.flow)
+        self.frames = setup.frames(self.flow, self.grid, fluid.density)
         self.budget = Budget(self.flow)
 
     @property
@@ -192,7 +191,7 @@ class Simulation(Component):
 
     def frame(self) -> Snapshot:
         """Everything the writers and the pictures need of this instant, as copies."""
-        return self.snapshots.take(self.time, self.steps, self.profile.levels())
+        return self.frames.take(self.steps)
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
 
@@ -208,7 +207,7 @@ class Simulation(Component):
         rows = state["flow/pressure"].shape[-1]
         if rows != self.flow.grid.shape[-1]:
             del self.flow, self.medium, self.step, self.ledger.flow  # first, for the memory
-            del self.observers, self.snapshots, self.profile
+            del self.observers, self.frames
             self._build(rows)
             self.ledger.flow = self.flow
         self.steps = int(state["steps"])

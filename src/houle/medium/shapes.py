@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import shapely
@@ -132,9 +132,27 @@ class Union:
         return shapely.union_all([p.section(window) for p in self.parts])
 
 
-def shape_of(entry: Any, dimension: int) -> Shape:
+class Described(Protocol):
+    """A region in the words of a case file: one of these is given, the others are None.
+
+    box      lower and upper corner [m]
+    polygon  corners in the vertical section [m]
+    below    level below which everything belongs to it [m]
+    """
+
+    @property
+    def box(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None: ...
+
+    @property
+    def polygon(self) -> tuple[tuple[float, float], ...] | None: ...
+
+    @property
+    def below(self) -> float | None: ...
+
+
+def shape_of(entry: Described, dimension: int) -> Shape:
     """The shape of a case entry: exactly one of box = [[lower], [upper]], polygon = [[x, z], ...], below = level."""
-    if (corners := getattr(entry, "box", None)) is not None:
+    if (corners := entry.box) is not None:
         lower, upper = (tuple(map(float, corner)) for corner in corners)
         if not (len(lower) == len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))):
             raise CaseError(
@@ -142,12 +160,12 @@ def shape_of(entry: Any, dimension: int) -> Shape:
                 f"give two corners of {dimension} numbers, the first one the lower on every axis."
             )
         return Box(lower, upper)
-    if (corners := getattr(entry, "polygon", None)) is not None:
+    if (outline := entry.polygon) is not None:
         try:
-            return Polygon(enclosed(corners), dimension)
+            return Polygon(enclosed(outline), dimension)
         except ValueError as error:
-            raise CaseError(f"polygon = {list(corners)} is not a simple polygon: it {error}") from None
-    if (level := getattr(entry, "below", None)) is not None:
+            raise CaseError(f"polygon = {list(outline)} is not a simple polygon: it {error}") from None
+    if (level := entry.below) is not None:
         return Box((-np.inf,) * dimension, (*[np.inf] * (dimension - 1), float(level)))
     raise CaseError("a shape needs one of: box = [[lower], [upper]], polygon = [[x, z], ...], below = level.")
 

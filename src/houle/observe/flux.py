@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from houle.fields import Field
+from houle.fields import Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import partition
 from houle.observe.levels import around, layer_at, wet_share
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, outside
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from houle.fields import Field
+from houle.fields import Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Sample, Site
 from houle.flow.state import Flow
 from houle.grid import FloatArray, axes
 from houle.medium.integrals import Measure, over_cells
 from houle.medium.sections import partition
 from houle.observe.levels import wet_share
-from houle.observe.observer import Instrument, Now, Observer, Sample, Site, Stations
 from houle.observe.patches import SIDES, Patches, patches_of_side, patches_of_solid
 from houle.observe.points import cell_below, still_gravity
 

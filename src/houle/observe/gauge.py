@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.fields import LEVEL, Field
+from houle.fields import LEVEL, Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, along, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray
 from houle.medium.plate_sides import behind_plates, on_their_side
 from houle.medium.thin_solids import Thickened
 from houle.observe.levels import Columns, Indices, SolidsAt, around, mean_of_known, out_of_solids
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, along, outside
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.fields import Field
+from houle.fields import RUN, Field, Stations
 from houle.flow.ledger import OPERATIONS, WORKS, Ledger
+from houle.flow.observer import Instrument, Now, Observer, Sample, Site
 from houle.flow.state import Flow
 from houle.grid import FloatArray, axes
 from houle.medium.columns import Storage
-from houle.observe.observer import RUN, Instrument, Now, Observer, Sample, Site, Stations
 
 NOTES = ("divergence", "pressure_iterations", "correction_iterations")  # of the ledger, about the last step
 _WORKS = {

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from houle.fields import Field
+from houle.fields import Field, Stations
 from houle.flow.crest import Crest
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, outside
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from houle.fields import Field
+from houle.fields import Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Sample, Site
 from houle.flow.state import Flow
-from houle.observe.observer import Instrument, Now, Observer, Sample, Site, Stations
 
 
 @dataclass(frozen=True)

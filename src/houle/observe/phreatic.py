@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.errors import metres
-from houle.fields import LEVEL, Field
+from houle.fields import LEVEL, Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, along, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import partition, section
 from houle.medium.shapes import Shape
 from houle.observe.levels import SolidsAt, around, crossings, layer_at, mean_of_known, out_of_solids
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, along, outside
 
 
 @dataclass(frozen=True)

@@ -6,19 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from houle.fields import LEVEL, Field
 from houle.flow.state import Flow
 from houle.grid import FloatArray
 from houle.observe.levels import Columns
-
-ETA = Field(
-    "eta",
-    r"\eta",
-    "m",
-    "surface",
-    "level of the free surface above the datum z = 0, not a number where the bed is dry",
-    standard_name=LEVEL,
-)
 
 
 class Profile:

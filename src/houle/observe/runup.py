@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from houle.fields import LEVEL, Field
+from houle.fields import LEVEL, Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.medium.sections import partition
 from houle.observe.levels import crossings, layer_at
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, outside
 
 PARTS = 16  # of a cell, in which the profile of the slope is known
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from houle.fields import Field
+from houle.fields import Field, Stations
+from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, along, outside
 from houle.flow.state import Flow
 from houle.grid import FloatArray, axes
 from houle.medium.plate_sides import behind_plates, on_their_side
 from houle.observe.levels import around
-from houle.observe.observer import Instrument, Now, Observer, Remark, Sample, Site, Stations, along, outside
 from houle.observe.points import cell_below, still_gravity, velocity_at
 
 

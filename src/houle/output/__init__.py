@@ -38,9 +38,9 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from houle.fields import Stations
+from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
-from houle.observe.observer import Stations
-from houle.observe.snapshot import Snapshot
 from houle.output.atomic import OutputError
 from houle.output.checkpoint import Checkpoint, checkpoints, load_newest, save_checkpoint
 from houle.output.fields import FieldsReader, FieldsWriter, read_fields

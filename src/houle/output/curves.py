@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import itertools
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
+from houle.case.model import Case
 from houle.data.laboratory import Data
 from houle.flow.ledger import OPERATIONS
 from houle.grid import FloatArray, Grid, axes
 from houle.output import drawing
 from houle.output.drawing import FAINT, LINES, headings, label, label_ends, sheet
-from houle.output.labels import title
 
 Curves = dict[str, FloatArray]
 LEFT = 0.78  # inches, for numbers and units
 MOST = 10  # gauges in a picture
 
 
-def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
+def ledger_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
     """The ledger of a run against time: energy and its changes, water volume, iterations and time step."""
     energy = "J/m" if grid.dimension == 2 else "J"
     split = {name: key for name in OPERATIONS if (key := f"energy_{name}") in series and series[key].values.any()}
@@ -39,14 +38,14 @@ def ledger_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
     time = series["time"].values
     words = f"the ledger  ·  {float(time[-1]):g} s of simulated time"
     with drawing.style():
-        page = sheet(len(panels), 2, (3.3, 1.5), title(case), words, gap=(1.65, 0.62), margins=(LEFT, 0.95, 0.5, 0.95))
+        page = sheet(len(panels), 2, (3.3, 1.5), case.title, words, gap=(1.65, 0.62), margins=(LEFT, 0.95, 0.5, 0.95))
         for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, panels, strict=True)):
             draw_curves(panel, time, curves, unit, "t [s]" if i + 2 >= len(panels) else "")
             headings(panel, name)
         return page.save(path)
 
 
-def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
+def gauges_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
     """The free surface at the gauges, of many at some; pressure and horizontal Darcy velocity at the sensors."""
     rows: list[tuple[str, str, Curves]] = []
     words = "gauges and sensors  ·  a gap is a dry gauge"
@@ -65,7 +64,7 @@ def gauges_picture(path: Path, case: Any, grid: Grid, series: Data) -> Path:
     right = 1.55 if any(len(curves) > 1 or "" not in curves for _, _, curves in rows) else 0.3  # for the names
     letters = ", ".join(axes(grid.dimension))
     with drawing.style():
-        page = sheet(len(rows), 1, (6.4, 1.15), title(case), words, gap=(0, 0.5), margins=(LEFT, right, 0.5, 0.95))
+        page = sheet(len(rows), 1, (6.4, 1.15), case.title, words, gap=(0, 0.5), margins=(LEFT, right, 0.5, 0.95))
         for i, (panel, (name, unit, curves)) in enumerate(zip(page.panels, rows, strict=True)):
             heights = _level_limits(curves[""]) if unit == "m" else None
             draw_curves(panel, series["time"].values, curves, unit, "t [s]" if i + 1 == len(rows) else "", heights)

@@ -22,8 +22,8 @@ import h5py
 import numpy as np
 
 from houle.errors import CaseError
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
-from houle.observe.snapshot import Snapshot
 from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, OutputError, put_aside, regular, remove, reported, told
 from houle.output.netcdf import Table

@@ -12,7 +12,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from houle.case.model import Case
 from houle.grid import FloatArray
 
 Sizes = FloatArray  # (N, 2) widths and heights of words
@@ -22,11 +21,6 @@ DISTANCES = (5.0, 9.0, 15.0, 23.0, 33.0, 46.0, 62.0, 82.0, 106.0, 135.0)  # of w
 DIRECTIONS = 16
 ON_WORDS, ON_POINT, OUTSIDE = 2000.0, 600.0, 5000.0  # what it costs to stand there, against a point of distance: 1
 ON_OUTLINE, ON_BODY, ACROSS = 120.0, 90.0, 12.0  # on the outline of a body, inside it, over an upright line
-
-
-def title(case: Case) -> str:
-    """The title of the pictures of a case: its own, or its name."""
-    return case.case.title or case.case.name
 
 
 def apart(places: Sequence[float], sizes: float | Sequence[float], low: float, high: float) -> list[float]:

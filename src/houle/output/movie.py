@@ -11,10 +11,11 @@ from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
 from houle.case.model import Case
-from houle.observe.snapshot import Snapshot
+from houle.flow.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.atomic import OutputError, replacing
 from houle.output.drawing import colour_bar
+from houle.output.fields import FieldsReader
 from houle.output.pressure import BAR, pressure_scale
 from houle.output.section import SectionPicture
 
@@ -22,7 +23,7 @@ NAME = "movie.mp4"
 BLOCK = 16  # pixels: encoders want sizes that are multiples of it
 
 
-def write_movie(path: Path | str, case: Case, fields: Any, rate: float = 25.0) -> Path:
+def write_movie(path: Path | str, case: Case, fields: FieldsReader, rate: float = 25.0) -> Path:
     """One picture per frame of the run, `rate` of them in a second. OutputError when the encoder is not installed."""
     path = Path(path)
     try:

@@ -14,12 +14,12 @@ from matplotlib.lines import Line2D
 from houle.case.model import Case
 from houle.data import laboratory
 from houle.data.laboratory import Data
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
-from houle.observe.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.curves import gauges_picture, ledger_picture
 from houle.output.drawing import LABORATORY, SHADE, WATER, colour_bar, headings, sheet
-from houle.output.labels import title
+from houle.output.fields import FieldsReader
 from houle.output.pressure import BAR, pressure_scale
 from houle.output.section import SectionPicture, length
 
@@ -29,7 +29,7 @@ __all__ = ["gauges_picture", "ledger_picture", "plan_picture", "pressure_picture
 
 
 def write_pictures(
-    directory: Path | str, case: Case, grid: Grid, series: Data, surface: Data, fields: Any
+    directory: Path | str, case: Case, grid: Grid, series: Data, surface: Data, fields: FieldsReader
 ) -> list[Path]:
     """All pictures that the run has data for. fields: a FieldsReader; case: for bodies, gates and laboratory points."""
     folder = Path(directory)
@@ -73,7 +73,7 @@ def surface_picture(path: Path, case: Case, grid: Grid, surface: Data, points: l
         return page.save(path)
 
 
-def pressure_picture(path: Path, case: Case, fields: Any, points: laboratory.Points | None = None) -> Path:
+def pressure_picture(path: Path, case: Case, fields: FieldsReader, points: laboratory.Points | None = None) -> Path:
     """Particles coloured by their pressure, at the size of the space they fill; in 3D those of the middle section."""
     frames = [fields.frame(fields.nearest(time)) for time in _times(fields.times, points)]
     section = SectionPicture(case, [np.max(frame.position[:, -1], initial=0.0) for frame in frames])
@@ -103,7 +103,7 @@ def plan_picture(path: Path, case: Case, grid: Grid, surface: Data) -> Path:
     with drawing.style():
         words = f"level of the free surface from above  ·  spacing {length(max(grid.spacing))}  ·  white: dry"
         size = (width, width * across / along)
-        page = sheet(len(times), columns, size, title(case), words, margins=(0.62, 0.3, 0.95, 0.95))
+        page = sheet(len(times), columns, size, case.title, words, margins=(0.62, 0.3, 0.95, 0.95))
         look: Any = {"origin": "lower", "extent": (0.0, along, 0.0, across), "aspect": "auto"}
         look |= {"interpolation": "nearest", "cmap": drawing.pressures(), "norm": scale}
         for panel, time in zip(page.panels, times, strict=True):

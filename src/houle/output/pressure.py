@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from matplotlib.colors import Normalize
 
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
-from houle.observe.snapshot import Snapshot
 
 WIDER = 1.42  # side of a mark over that of the square the particle fills: the water has no gaps
 SUCTION = 0.1  # of the largest pressure: less is round-off and splashes

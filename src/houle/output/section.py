@@ -23,14 +23,14 @@ from matplotlib.path import Path as Outline
 from houle.case.acting import Band, acting, walls_at_rest
 from houle.case.model import Case
 from houle.case.section import CrossSection, Entry
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray
 from houle.medium.sections import Span
 from houle.medium.shapes import polygons
 from houle.medium.thin_solids import at_width
-from houle.observe.snapshot import Snapshot
 from houle.output import drawing
 from houle.output.drawing import FAINT, GREY, INK, PALE, SHADE, SMALL, SOLID, STONE, STONE_LINE, WATER, Sheet, sheet
-from houle.output.labels import apart, leader, near_points, title
+from houle.output.labels import apart, leader, near_points
 from houle.output.pressure import pressure_image
 
 LONGEST = 5.5  # length of a panel over its height; the heights of a longer flume are stretched
@@ -117,7 +117,7 @@ class SectionPicture:
         self.key_top = drawing.key_height(self.marks, room) + 0.1
         self.names = _Names(self.case, across)
         margins = (left, right, 0.5 + self.key_top + below, 0.95 + self.names.height / 72)
-        return sheet(count, columns, (across, across / ratio * times), title(self.case), words, margins=margins)
+        return sheet(count, columns, (across, across / ratio * times), self.case.title, words, margins=margins)
 
     def key(self) -> list[Any]:
         """Handles of what the picture shows, in the order of the case file."""

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.fields import Field
+from houle.fields import RUN, Field, Stations
 from houle.grid import axes
-from houle.observe.observer import RUN, Stations
 from houle.output import netcdf
 from houle.output.growing import Growing
 from houle.output.netcdf import TIME, Table, Variable, times

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from houle.flow.snapshot import ETA, Snapshot
 from houle.grid import Grid
-from houle.observe.profile import ETA
-from houle.observe.snapshot import Snapshot
 from houle.output import netcdf
 from houle.output.growing import Growing
 from houle.output.netcdf import TIME, Table, Variable, times

@@ -21,8 +21,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from houle.flow.snapshot import CELLS, PARTICLES, Snapshot
 from houle.grid import FloatArray, Grid
-from houle.observe.snapshot import CELLS, PARTICLES, Snapshot
 from houle.output.atomic import DAMAGES, new_hdf5, regular
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie

@@ -22,6 +22,7 @@ from houle.output.drawing import GREY, INK, LABORATORY, LINES, WATER, colour_bar
 from houle.output.pressure import pressure_scale
 from houle.output.section import SectionPicture, length
 from houle.reproduction.measured import INSTANTS, Found, Pair, Printed, Reading, WaveRun
+from houle.results.run import Run
 
 OURS, PAPERS = WATER, LABORATORY
 SCHEMES = {"houle": OURS, "jh2020": PAPERS}
@@ -269,10 +270,9 @@ def _periods(panel: Axes, found: Found, curves: dict[float, list[tuple[float, fl
     drawing.label_ends(panel, ends)
 
 
-def _grid(run: Any) -> Grid:
-    grid: Grid = run.case.domain.grid
-    return grid
+def _grid(run: Run) -> Grid:
+    return run.case.domain.grid
 
 
-def _spacing(run: Any) -> str:
+def _spacing(run: Run) -> str:
     return f"spacing {length(max(_grid(run).spacing))}"

@@ -151,7 +151,7 @@ class WaveRun:
         length = reflection.wave_of(self.run.case).length
         x, eta = surface.x.values, laboratory.level(surface, time, surface.x.values)
         slope = self.run.case.porous[0]
-        foot = self.face if slope.box is not None else _waterline(slope.polygon, waves.depth)
+        foot = self.face if slope.polygon is None else _waterline(slope.polygon, waves.depth)
         front = np.flatnonzero((x > foot - length) & (x < foot))
         inside = np.flatnonzero(x > foot)
         places = (
@@ -162,7 +162,7 @@ class WaveRun:
         return Reading(*((float(x[i]), float(eta[i])) for i in places))
 
 
-def _waterline(polygon: Any, level: float) -> float:
+def _waterline(polygon: Sequence[tuple[float, float]], level: float) -> float:
     """x [m] where the front of a body goes through the level."""
     corners = np.array([*polygon, polygon[0]], dtype=float)
     found = []

@@ -58,7 +58,7 @@ class Run:
 
     @cached_property
     def fields(self) -> FieldsReader:
-        """The frames: .times [s], .frame(i) -> houle.observe.snapshot.Snapshot."""
+        """The frames: .times [s], .frame(i) -> houle.flow.snapshot.Snapshot."""
         from houle.output import read_fields
 
         return read_fields(self.directory)

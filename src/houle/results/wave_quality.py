@@ -21,6 +21,7 @@ from houle.output.atomic import write_text
 from houle.results.reflection import Flume, first_harmonic, wave_of
 
 if TYPE_CHECKING:
+    from houle.case.tables.tank import Solid
     from houle.flow.simulation import Simulation
     from houle.waves.wave import Wave
 
@@ -109,7 +110,7 @@ def empty_flume(case: Case) -> Case:
     return empty
 
 
-def _begins(solid: Any) -> float:
+def _begins(solid: Solid) -> float:
     from houle.medium.shapes import shape_of
 
     return float(shape_of(solid, 2).bounds[0][0])

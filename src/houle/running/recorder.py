@@ -13,10 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import pairwise
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from houle.flow.snapshot import Snapshot
 
 Sample = dict[str, NDArray[np.float64] | float]
 PREFIX = "recorder."
@@ -64,6 +66,41 @@ def _between(time: float, instants: Sequence[float]) -> tuple[int, float]:
     return i, (time - instants[i - 1]) / (instants[i] - instants[i - 1])
 
 
+class Writers(Protocol):
+    """What takes rows and frames, as `houle.output.Outputs` does."""
+
+    def append_series(self, time: float, sample: Mapping[str, Any]) -> None: ...
+
+    def append_frame(self, frame: Snapshot) -> None: ...
+
+
+class Marching(Protocol):
+    """What a recorder asks of a simulation."""
+
+    @property
+    def time(self) -> float: ...
+
+    @property
+    def step_size(self) -> float: ...
+
+    @property
+    def lag(self) -> dict[str, float]: ...
+
+    def sample(self) -> Sample: ...
+
+    def frame(self) -> Snapshot: ...
+
+
+class Nowhere:
+    """Takes rows and frames and keeps none: for a recorder that only compares."""
+
+    def append_series(self, time: float, sample: Mapping[str, Any]) -> None:
+        """Does nothing."""
+
+    def append_frame(self, frame: Snapshot) -> None:
+        """Does nothing."""
+
+
 class Recorder:
     """Hands rows and frames to the writers. Call start() at time 0 or restore(), then step() after every step.
 
@@ -72,7 +109,7 @@ class Recorder:
     """
 
     def __init__(
-        self, outputs: Any, end: float, every: float, series_every: float, instants: Sequence[float] = ()
+        self, outputs: Writers, end: float, every: float, series_every: float, instants: Sequence[float] = ()
     ) -> None:
         self.outputs, self.end, self.every, self.series_every = outputs, float(end), every, series_every
         self.instants = sorted(t for t in instants if SAME * every < t)  # [s]
@@ -113,14 +150,14 @@ class Recorder:
         """The time [s] of the last row of the series."""
         return multiple(self.rows - 1, self.series_every)
 
-    def start(self, simulation: Any) -> None:
+    def start(self, simulation: Marching) -> None:
         """The first row and the first frame, at the time of the simulation."""
         self.observed = [Observed(simulation.time, 0.0, simulation.sample())]
         self.outputs.append_series(simulation.time, self.last.values)
         self.outputs.append_frame(simulation.frame())
         self.rows = self.frames = 1
 
-    def step(self, simulation: Any, values: Sample) -> None:
+    def step(self, simulation: Marching, values: Sample) -> None:
         """The rows that are due, given its sample(), and the frame if this step ends on one."""
         stop = self.stop
         self.observed = [*self.observed[-2:], Observed(simulation.time, simulation.step_size, values)]
@@ -133,7 +170,7 @@ class Recorder:
         """From the time alone, so also where a run is prolonged after an end that was no multiple."""
         self.frames = int(self.last.time / self.every + SAME) + 1
 
-    def finish(self, simulation: Any) -> None:
+    def finish(self, simulation: Marching) -> None:
         """The rows up to the last step: of what lags, the line through its last two values goes on."""
         self._write_rows(self.last.time, simulation.lag)
 
@@ -142,7 +179,7 @@ class Recorder:
             self.outputs.append_series(time, interpolate(time, self.observed, lag))
             self.rows += 1
 
-    def agrees(self, simulation: Any) -> bool:
+    def agrees(self, simulation: Marching) -> bool:
         """Whether what was restored belongs to a simulation that stands here: its time, its sample, its rows."""
         shapes = {name: np.shape(value) for name, value in simulation.sample().items()}
         times = [observed.time for observed in self.observed]

@@ -108,6 +108,7 @@ def resume(
     """
     says, directory = reporter(progress), checked_path(directory, "directory")
     says.say(f"houle: reading {directory}")
+    from houle.check import rules
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
     from houle.running.restart import left, prolong, prolonged, restored
@@ -124,6 +125,7 @@ def resume(
         remove_leftovers(directory)
         if finished and until is not None:
             longer = prolonged(case, until)
+            rules.require(longer)  # its record of waves may be too short, for example
             check_outputs(longer, directory)
         threads = usable_threads(threads, says)
         with clock.stage("set-up"):
@@ -283,7 +285,7 @@ def check_until(until: float | None, time: float | None) -> None:
         raise CaseError(f"until = {until:g} s is not after t = {time:g} s, where this run begins. Give a later time")
 
 
-def _called(case: Any) -> str:
+def _called(case: Case | str | Path | dict[str, Any]) -> str:
     """What to call a case before it is read."""
     if isinstance(case, Mapping):
         head = case.get("case")

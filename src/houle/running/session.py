@@ -26,6 +26,7 @@ from houle.running.recorder import Recorder
 
 if TYPE_CHECKING:
     from houle.case.model import Case
+    from houle.flow.simulation import Simulation
 
 CHECKPOINT_EVERY = 60.0  # s of wall time
 COMMIT_EVERY = 15.0  # s of wall time between two commits of what has been observed
@@ -75,7 +76,7 @@ class Session:
     """begin() or restore(), then march()."""
 
     def __init__(
-        self, directory: Path, case: Case, simulation: Any, threads: int | None, clock: Clock, says: Silent
+        self, directory: Path, case: Case, simulation: Simulation, threads: int | None, clock: Clock, says: Silent
     ) -> None:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         stations = [kind.stations for kind in instruments(case)]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray
-from houle.observe.snapshot import Snapshot
 from houle.validation.check import Check
 
 if TYPE_CHECKING:

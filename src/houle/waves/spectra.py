@@ -22,12 +22,11 @@ import numpy as np
 from houle.waves import dispersion
 from houle.waves.current import wave_number
 from houle.waves.linear import Linear
-from houle.waves.wave import KINDS, Array, Components, Kind
+from houle.waves.wave import GAMMA, KINDS, Array, Components, Kind
 
 BAND = (0.5, 3.5)  # of the peak frequency
 COUNT = 200
 SUB = 32  # points of the spectrum in a cell
-GAMMA = 3.3
 HIGHEST = 1.86  # highest wave of 1000 over Hm0 (Rayleigh); crests of half of it and a bit are reckoned with
 
 

@@ -19,6 +19,7 @@ from houle.errors import CaseError
 from houle.registry import Choices
 
 Array = NDArray[np.float64]
+GAMMA = 3.3
 
 
 class WaveError(CaseError):

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import PydanticKnownError, core_schema
 
+from houle.case import messages
 from houle.case.messages import NAME
 from houle.registry import choices
 
@@ -43,3 +44,12 @@ class OneOf:
 
     def __get_pydantic_json_schema__(self, schema: object, handler: object) -> dict[str, Any]:
         return {"enum": self.allowed, "type": "string"}
+
+
+def is_a_box(box: tuple[Point, Point]) -> None:
+    """Raises ValueError where the corners are not the lower and the upper one of a box."""
+    low, high = box
+    if len(low) != len(high):
+        raise ValueError(f"box has corners of {len(low)} and {len(high)} numbers: both need the same")
+    if any(a >= b for a, b in zip(low, high, strict=True)):
+        raise ValueError(f"box = {messages.show(box)} is empty: the lower corner must stand first, all below")

@@ -1,15 +1,14 @@
-"""The tank and what is in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]] [[gate]] [[sponge]]
-[[absorber]]."""
+"""The tank and what is in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]]"""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from houle.case import messages
-from houle.case.tables.base import Name, Point, Point2, Table
+from houle.case.tables.base import Name, Point, Point2, Table, is_a_box
 from houle.grid import Grid
 from houle.medium.resistance import LAWS
 
@@ -156,17 +155,8 @@ class Shape(Table):
                 f": {held}; give exactly one of box = [[x, z], [x, z]], polygon = [[x, z], ...], below = level"
             )
         if self.box is not None:
-            _is_a_box(self.box)
+            is_a_box(self.box)
         return self
-
-
-def _is_a_box(box: tuple[Point, Point]) -> None:
-    """Raises ValueError."""
-    low, high = box
-    if len(low) != len(high):
-        raise ValueError(f"box has corners of {len(low)} and {len(high)} numbers: both need the same")
-    if any(a >= b for a, b in zip(low, high, strict=True)):
-        raise ValueError(f"box = {messages.show(box)} is empty: the lower corner must stand first, all below")
 
 
 class Water(Shape):
@@ -179,6 +169,8 @@ class Water(Shape):
 
 class Solid(Shape):
     """[[solid]]: impermeable."""
+
+    prefix: ClassVar[str] = "solid-"
 
     name: Name = Field(default="", description="name in messages and pictures; solid-1, ... when left out")
 
@@ -248,6 +240,8 @@ class Resistance(Table):
 class Porous(Shape):
     """[[porous]]: a rigid porous body."""
 
+    prefix: ClassVar[str] = "porous-"
+
     name: Name = Field(default="", description="name in messages, pictures and --set; porous-1, ... when left out")
     porosity: float = Field(gt=0, le=1, description="pore volume / total volume [-]", examples=[0.45])
     grain_diameter: float | None = Field(
@@ -265,48 +259,4 @@ class Porous(Shape):
     def law_has_grains(self) -> Porous:
         if self.resistance.law is not None and self.grain_diameter is None:
             raise ValueError(f'grain_diameter is missing: resistance.law = "{self.resistance.law}" needs it [m]')
-        return self
-
-
-class Gate(Table):
-    """[[gate]]: a thin plate across the domain at x, lifted. It and its lower edge stand on the nearest grid lines."""
-
-    x: float = Field(description="position [m]")
-    speed: float = Field(gt=0, le=100, description="upward speed of its lower edge [m/s]")
-    start: float = Field(default=0.0, ge=0, description="time at which it starts to rise [s]")
-
-
-class Absorber(Table):
-    """[[absorber]]: a wall across the tank that gives way to the waves that reach it: active absorption."""
-
-    name: Name = Field(default="", description="name in messages and results; absorber-1, ... when left out")
-    x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
-    side: Literal["left", "right"] = Field(
-        default="right", description="end of the water at which it stands; behind it is no water"
-    )
-    period: float | None = Field(
-        default=None,
-        gt=0,
-        le=1e5,
-        description="wave period that it takes up whole; that of [waves] when left out, else long waves [s]",
-    )
-
-
-class Sponge(Table):
-    """[[sponge]]: takes up waves on their way to the side of the tank that it touches."""
-
-    name: Name = Field(default="", description="name in messages and pictures; sponge-1, ... when left out")
-    box: Annotated[tuple[Point, Point], Field(strict=False)] = Field(
-        description="corners [[x, z], [x, z]]; one end at a side of the tank [m]"
-    )
-    strength: float | None = Field(
-        default=None,
-        gt=0,
-        le=1e4,
-        description="largest rate at which it slows the water down; when left out, 0.3 % of the waves comes back [1/s]",
-    )
-
-    @model_validator(mode="after")
-    def is_a_box(self) -> Sponge:
-        _is_a_box(self.box)
         return self

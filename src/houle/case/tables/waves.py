@@ -12,7 +12,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 
 from houle.case.tables.base import OneOf, Point2, Table
 from houle.registry import choices
-from houle.waves.spectra import GAMMA
+from houle.waves.wave import GAMMA
 
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # what only some kinds take
 MAKERS = ("source", "zone", "piston")

@@ -8,32 +8,28 @@
     Now           what a sample is taken of
     Remark        what is doubtful or wrong about where an instrument stands
 
-An observable is one file beside this one. It holds an `Instrument`, with the keys of its table in the case file (a user
-of the library can make one by hand) and its check; and the `Observer` of such instruments, with the name of the table,
-its rows of `houle.fields`, its stations and its sample. The table stands in `houle.case.tables.observed`.
+An observable is one file in `houle.observe`. It holds an `Instrument`, with the keys of its table in the case file (a
+user of the library can make one by hand) and its check; and the `Observer` of such instruments, with the name of the
+table, its rows of `houle.fields`, its stations and its sample. The table stands in `houle.case.tables.observed`.
 """
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
 from houle.errors import metres
-from houle.fields import Field
+from houle.fields import Field, Stations
 from houle.flow.component import Component
 from houle.flow.ledger import Ledger
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid, axes
 from houle.medium.shapes import Shape
 
-RUN = "run"  # place of what has one value for all of the water
 Sample = dict[str, FloatArray | float]
 
 
@@ -76,25 +72,6 @@ class Instrument:
     def highest(self) -> float:
         """The highest level [m] at which the instrument looks for water, whether water is there or not."""
         return 0.0
-
-
-@dataclass(frozen=True)
-class Stations:
-    """Where the values of an observer stand in series.nc.
-
-    names        one for each value along the dimension
-    coordinates  word -> (sentence, values [m]): the variable gauge_x of the dimension gauge has the word x
-    fields       the quantities that stand there; all have the same place
-    """
-
-    names: Sequence[str]
-    coordinates: Mapping[str, tuple[str, Sequence[float]]]
-    fields: Sequence[Field]
-
-    @property
-    def dimension(self) -> str:
-        """The name of the dimension along which the values stand; RUN where there is one value for the whole run."""
-        return self.fields[0].place
 
 
 @dataclass(frozen=True)
@@ -171,15 +148,6 @@ class Instruments:
     def highest(self) -> float:
         """The highest level [m] at which one of them looks for water."""
         return max((one.highest for one in self.them), default=0.0)
-
-
-def asked_by_tables() -> dict[str, type[Observer[Any]]]:
-    """The observers that tables of the case file ask for, by the key of the table: those of every file of this room,
-    and others that have been defined.
-    """
-    for module in pkgutil.iter_modules([str(Path(__file__).parent)]):
-        importlib.import_module(f"houle.observe.{module.name}")
-    return {observer.table: observer for observer in Observer.__subclasses__() if observer.table}
 
 
 def along(kind: str, what: Sequence[Sequence[float]] | FloatArray, letters: str) -> dict[str, tuple[str, list[float]]]:
