@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from houle.case.build import coefficients
 from houle.case.model import load
+from houle.case.porous import coefficients
 from houle.check.drag import drag_sheet
 from houle.medium.resistance import (
     LAWS,

@@ -16,14 +16,12 @@ from typing import Any
 from houle.case.instruments import instruments
 from houle.case.maker import law_of_piston, source_of
 from houle.case.model import Case
-from houle.case.tables.tank import Porous, Resistance
+from houle.case.porous import porous_body
 from houle.case.tables.waves import Waves
 from houle.flow.boundaries import BOUNDARIES, Surroundings
 from houle.flow.rows import MARGIN
 from houle.flow.setup import Fluid, Make, Numerics, Setup, TimeControl, Water
 from houle.flow.viscosity import longest_step
-from houle.medium.resistance import LAWS, Pair, from_permeability, inertia_coefficient
-from houle.medium.sections import PorousBody
 from houle.medium.shapes import shape_of
 from houle.observe.snapshot import Snapshots
 from houle.waves.wave import Wave
@@ -70,51 +68,6 @@ def viscous_step(case: Case) -> float:
     """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
     held = any(map(any, case.domain.walls.no_slip(case.dimension)))
     return longest_step(case.domain.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020", held)
-
-
-# ---- porous bodies -----------------------------------------------------------------------------------------------
-
-
-def porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:
-    """The body of a table, for water of this viscosity [m2/s] and waves of this period [s], inf: steady flow."""
-    a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity, period)
-    inertia = inertia_coefficient(entry.porosity, entry.added_mass)
-    on_rate = entry.added_mass_on == "rate"
-    return PorousBody(entry.name, shape_of(entry, dimension), entry.porosity, a, b, inertia, on_rate)
-
-
-def coefficients(
-    resistance: Resistance,
-    porosity: float,
-    grain_diameter: float | None,
-    viscosity: float,
-    period: float = math.inf,
-) -> Pair:
-    """Canonical a [1/s], b [1/m] of a body as its case file gives it. A law needs the grain diameter [m].
-
-    period  of the waves [s], for the laws that know it, unless the file gives kc or a period itself; inf: steady flow
-    """
-    r = resistance
-    if r.law is not None:
-        if grain_diameter is None:
-            raise ValueError(f"the law {r.law} needs a grain diameter")
-        return LAWS[r.law](porosity, grain_diameter, viscosity, **stated(r, period))
-    if r.permeability is not None and r.forchheimer is not None:
-        return from_permeability(r.permeability, r.forchheimer, viscosity)
-    if r.a is None or r.b is None:
-        raise ValueError("resistance needs a law, or a and b, or permeability and forchheimer")
-    return r.a, r.b
-
-
-def stated(r: Resistance, period: float) -> dict[str, float]:
-    """Coefficients of the law that the file states itself, and the period of the waves if it says nothing of it."""
-    given = r.given
-    if r.law is None or not LAWS[r.law].knows_period or {"kc", "period"} & set(given) or period == math.inf:
-        return given
-    return {**given, "period": period}
-
-
-# ---- boundaries --------------------------------------------------------------------------------------------------
 
 
 def _boundaries(case: Case, wave: Wave | None) -> tuple[Make, ...]:

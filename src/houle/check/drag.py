@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import Any
 
-from houle.case.build import coefficients, stated
 from houle.case.model import Case
+from houle.case.porous import coefficients, stated
 from houle.case.section import CrossSection, Entry
 from houle.case.tables.tank import Fluid, Porous
 from houle.medium.resistance import (

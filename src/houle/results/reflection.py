@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from houle import analysis
-from houle.case.build import coefficients
+from houle.case.porous import coefficients
 from houle.medium.resistance import inertia_coefficient
 from houle.medium.shapes import shape_of
 

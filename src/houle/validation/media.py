@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.case.build import coefficients
+from houle.case.porous import coefficients
 from houle.medium.resistance import inertia_coefficient
 from houle.validation.exact import PorousMedium
 
