@@ -41,8 +41,8 @@ class Header:
 
 
 def public(core: Path) -> list[Path]:
-    """Headers of the library: all below core/ that are not about the border to Python."""
-    return sorted(path for path in core.rglob("*.hpp") if not path.name.startswith("bind"))
+    """Headers of the library, in the rooms below core/houle."""
+    return sorted(core.glob("houle/**/*.hpp"))
 
 
 def read(path: Path) -> Header:

@@ -7,7 +7,7 @@ A block is fenced like code, so that a page can be read in the repository as it 
     ```{other-fields}           variables that a run writes and the page does not name
     ```{part} ../README.md      sections of another document, one title a line
     ```{names} houle            documentation of public names, one or more a line
-    ```{headers} grid           public headers below a folder of core/
+    ```{headers} grid           public headers of a room of core/houle
     ```{cases}                  shipped cases, each with its README and its case file
     ```{decisions}              the list of decisions
     ```{file} crib.toml         a file in the page's own folder, from where its commands are run
@@ -192,17 +192,11 @@ def _kind(value: object) -> str:
 
 def _headers(page: Page, block: Block) -> str:
     core = ROOT / "core"
-    found = [path for path in headers.public(core) if path.is_relative_to(_room(core, block.argument))]
+    found = [path for path in headers.public(core) if path.is_relative_to(core / "houle" / block.argument)]
     page.sources += found
     level = int(block.options.get("level", "3"))
     shown = [headers.markdown(headers.read(path), path.relative_to(core).as_posix(), level) for path in found]
     return "\n\n".join(shown)
-
-
-def _room(core: Path, name: str) -> Path:
-    """The folder of a room of the core: below core/houle, or core itself for all."""
-    inner = core / "houle" if (core / "houle").is_dir() else core
-    return inner / name if name else inner
 
 
 def _cases(page: Page, block: Block) -> str:
