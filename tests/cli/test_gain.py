@@ -40,9 +40,9 @@ def faster(grid, layers, near, mass, least, velocity, known):
     for u in velocity if faster.on else []:
         u *= 1.3
 
-def timed(flow, dt):
+def timed(flow, dt, linear):
     faster.on = flow.time > 0.1
-    move(flow, dt)
+    move(flow, dt, linear)
 
 faster.on = False
 _core.extrapolate, motion.move = faster, timed
