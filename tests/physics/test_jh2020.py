@@ -18,7 +18,7 @@ FALL = {
 
 
 def test_it_is_the_papers_combination():
-    numerics = simulation(DAM_BREAK, numerics__scheme="jh2020").case.numerics
+    numerics = simulation(DAM_BREAK, numerics__scheme="jh2020").setup.numerics
     assert (numerics.kernel, numerics.remesh, numerics.remesh_every) == ("gaussian-taylor2", "paper", 200)
     assert isinstance(simulation(DAM_BREAK, numerics__scheme="jh2020").step, PaperStep)
 
