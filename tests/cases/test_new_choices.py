@@ -8,17 +8,24 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import Field as Key
 from rich.console import Console
 
 import houle
 from houle.case import describe, model
 from houle.case.build import build
+from houle.case.tables.base import Point2
+from houle.case.tables.boundaries import Standing
 from houle.check.rules import require
 from houle.errors import CaseError
+from houle.flow.boundaries import BOUNDARIES, Boundary, BoundaryKind, Surroundings
+from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS, Keep
 from houle.flow.simulation import Simulation
 from houle.flow.state import Flow
 from houle.flow.transfer import TRANSFERS, Pic
+from houle.grid import Faces, Grid
+from houle.medium.medium import Medium
 from houle.medium.resistance import LAWS, Law, Pair
 from houle.registry import Choices
 from houle.waves.linear import airy
@@ -63,11 +70,40 @@ class Left(Keep):
     source = "this test"
 
 
+class Fan(Boundary):
+    """Pushes the water between two faces along x with an acceleration [m/s2]."""
+
+    def __init__(self, grid: Grid, between: tuple[float, float], acceleration: float) -> None:
+        self.first, self.last = (round(x / grid.spacing[0]) for x in between)
+        self.acceleration = acceleration
+
+    def touches(self) -> dict[int, slice]:
+        return {0: slice(self.first, self.last)}
+
+    def push(self, t: float, acceleration: Faces) -> None:
+        acceleration[0][self.first : self.last] += self.acceleration
+
+
+def fan(case: Surroundings, grid: Grid, medium: Medium, water: Particles, **keys: Any) -> Fan:
+    return Fan(grid, **keys)
+
+
+FAN = BoundaryKind("fan", "It pushes the water along.", "this test", fan, place=9, full_height=False)
+
+
+class FanTable(Standing):
+    """[[fan]]: what pushes the water."""
+
+    between: Point2 = Key(description="from, to [m]")
+    acceleration: float = Key(description="along x [m/s2]")
+
+
 ADDED: list[tuple[Choices[Any], Any, str]] = [
     (LAWS, LAW, "resistance"),
     (THEORIES, THEORY, "theories"),
     (TRANSFERS, Calm, "transfers"),
     (REMESHERS, Left, "remeshing"),
+    (BOUNDARIES, FAN, "makers"),
 ]
 
 
@@ -75,7 +111,10 @@ ADDED: list[tuple[Choices[Any], Any, str]] = [
 def added() -> Iterator[None]:
     for table, row, _ in ADDED:
         table.add(row)
+    model.add_table("fan", FanTable, "what pushes the water")
     yield
+    del model.Case.model_fields["fan"]
+    model.Case.model_rebuild(force=True)
     for table, row, _ in ADDED:
         table.remove(row.name)
 
@@ -125,6 +164,19 @@ def test_a_run_takes_them():
     assert len(before) == len(sim.particles)
     wave = houle.load(CASE | {"waves": WAVES}).wave
     assert wave is not None and wave.crest == pytest.approx(0.005)
+
+
+def test_a_boundary_acts_in_a_run():
+    """The momentum that it gives in a step is that of the water it pushes, times its acceleration and the time."""
+    still = {**CASE, "water": [{"below": 0.1}], "porous": [], "numerics": {}}
+    pushed = still | {"fan": [{"between": [0.1, 0.5], "acceleration": 1e-3}]}
+    tank, other = (Simulation(build(houle.load(case)), 1) for case in (still, pushed))
+    assert (len(tank.flow.boundaries), len(other.flow.boundaries)) == (0, 1)
+    for sim in (tank, other):
+        sim.advance(0.01)
+    assert abs(tank.sample()["momentum_x"]) < 1e-9
+    assert other.sample()["momentum_x"] > 0.0
+    assert "[[fan]]" in houle.load(pushed).to_toml()
 
 
 def test_two_choices_of_one_name_are_refused():

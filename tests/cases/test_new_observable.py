@@ -89,7 +89,7 @@ class BasinTable(Row):
 
 @pytest.fixture(autouse=True)
 def added() -> Iterator[None]:
-    model.observe("basin", BasinTable, "water in basins")
+    model.add_table("basin", BasinTable, "water in basins")
     yield
     del model.Case.model_fields["basin"]
     model.Case.model_rebuild(force=True)

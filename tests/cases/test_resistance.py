@@ -98,12 +98,12 @@ def test_huang_is_three_times_ergun_in_the_rock_as_its_status_warns():
 @given(n=st.floats(0.2, 0.9), d=st.floats(1e-3, 1.0))
 def test_every_law_resists_more_with_smaller_pores_and_finer_grains(law, n, d):
     a, b = LAWS[law](n, d, NU)
-    assert a > 0 and b > 0
+    assert a > 0 and b >= 0  # b = 0 of a law for seepage alone
     denser = LAWS[law](0.95 * n, d, NU)
     assert denser[0] > a
-    assert denser[1] > b or law == "huang-2003"  # as its status says
+    assert denser[1] > b or b == 0 or law == "huang-2003"  # as its status says
     finer = LAWS[law](n, 0.5 * d, NU)
-    assert finer[0] > a and finer[1] > b
+    assert finer[0] > a and (finer[1] > b or b == 0)
     assert LAWS[law](n, d, 2 * NU)[0] == pytest.approx(2 * a)  # Darcy's term is viscous
 
 

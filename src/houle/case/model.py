@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 from houle.case import messages
 from houle.case.consistency import disagreements, prefixes
 from houle.case.reading import find, override, plain, read_toml, to_toml
-from houle.case.tables.observed import Row
+from houle.case.tables.base import Table
 from houle.case.tables.whole import Tables
 from houle.case.wave import make
 from houle.errors import CaseError
@@ -119,10 +119,11 @@ class Case(Tables):
         return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
 
 
-def observe(key: str, row: type[Row], description: str) -> None:
-    """Makes [[key]] a table of the case file, for an observable that houle does not have.
+def add_table(key: str, row: type[Table], description: str) -> None:
+    """Makes [[key]] a table of the case file, for an observable or a boundary that houle does not have.
 
-    row  the table, like those of `houle.case.tables.observed`; an observer asks for it by its key
+    row  the table, like those of `houle.case.tables.observed` and `houle.case.tables.boundaries`; an observer asks for
+         it by its key, a boundary has its row of `BOUNDARIES` under that name
     """
     rows: Any = Annotated[tuple[row, ...], Field(strict=False, description=description)]  # type: ignore[valid-type]
     Case.model_fields[key] = FieldInfo.from_annotated_attribute(rows, ())
