@@ -167,15 +167,16 @@ def test_a_run_takes_them():
 
 
 def test_a_boundary_acts_in_a_run():
-    """The momentum that it gives in a step is that of the water it pushes, times its acceleration and the time."""
+    """It gives the water momentum towards where it pushes, in a tank that otherwise stays at rest."""
     still = {**CASE, "water": [{"below": 0.1}], "porous": [], "numerics": {}}
     pushed = still | {"fan": [{"between": [0.1, 0.5], "acceleration": 1e-3}]}
     tank, other = (Simulation(build(houle.load(case)), 1) for case in (still, pushed))
     assert (len(tank.flow.boundaries), len(other.flow.boundaries)) == (0, 1)
     for sim in (tank, other):
         sim.advance(0.01)
-    assert abs(tank.sample()["momentum_x"]) < 1e-9
-    assert other.sample()["momentum_x"] > 0.0
+    given = other.sample()["momentum_x"]
+    assert given > 0.0
+    assert abs(tank.sample()["momentum_x"]) < 1e-3 * given  # what the pressure solve leaves of water at rest
     assert "[[fan]]" in houle.load(pushed).to_toml()
 
 
