@@ -1,5 +1,8 @@
 """series.nc and surface.nc: every quantity with its unit, every row with the same names, readable by others."""
 
+import subprocess
+import sys
+
 import h5netcdf
 import h5py
 import numpy as np
@@ -221,3 +224,38 @@ def test_a_damaged_file_is_told_as_such(tmp_path):
     (tmp_path / "series.nc").write_bytes(b"nothing")
     with pytest.raises(OutputError, match=r"cannot read .*series\.nc"):
         read_series(tmp_path)
+
+
+LONG_RUN = """
+import resource
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from houle.observe.ledger import LedgerRow
+from houle.output.netcdf import Table, Variable, fill, times
+from houle.output.series import SeriesWriter
+
+rows, folder = 600_000, Path(sys.argv[1])
+columns = {field.name: Variable(("time",), np.zeros(rows), {}) for field in LedgerRow.fields}
+fill(folder / "series.nc", Table(columns, {"time": times(0.005 * np.arange(rows))}, {}), grows=True)
+size = (folder / "series.nc").stat().st_size
+del columns
+writer = SeriesWriter(folder, 3, [LedgerRow.stations((), None)], {})
+Path("/proc/self/clear_refs").write_text("5")  # the largest amount of memory is counted from here on
+before = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+writer.truncate_after(1e9)
+writer.close()
+peak = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
+print(size, 1024 * int(peak.split()[1]) - before)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="asks the kernel for the largest amount of memory")
+def test_a_long_series_is_cut_back_and_packed_in_little_memory(tmp_path):
+    """A file of 145 MB in less than half of that: a MB of chunks of each variable of two files, and a piece of one."""
+    done = subprocess.run([sys.executable, "-c", LONG_RUN, str(tmp_path)], capture_output=True, text=True, check=True)
+    size, more = map(int, done.stdout.split())
+    assert size > 140e6
+    assert more < size / 2

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, Sink, put_aside, regular, remove, replacing, reported, told
 from houle.output.lock import TAKEN, lock
-from houle.output.netcdf import TIME, Table, Variable, append, fill, pieces
+from houle.output.netcdf import CACHE, TIME, Table, Variable, append, fill, pieces
 
 OF_THE_FORMAT = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "coordinates")  # attributes
 ROOM = 16e6  # bytes of rows in memory, from which on they go to the file
@@ -147,7 +147,7 @@ class Growing(ABC):
             if not stack.enter_context(_alone(self.hidden)):  # somebody has it open since it had the name
                 self._copy()
                 more = [self._fresh]
-            with Sink(self.hidden, "r+b") as sink, h5py.File(sink, "r+") as file:
+            with Sink(self.hidden, "r+b") as sink, h5py.File(sink, "r+", rdcc_nbytes=CACHE) as file:
                 for rows in more:
                     if rows.count:
                         append(file, self.table_of(rows.columns))
@@ -212,7 +212,7 @@ class Growing(ABC):
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[h5py.File]:
-    with h5py.File(regular(path), "r") as file:
+    with h5py.File(regular(path), "r", rdcc_nbytes=CACHE) as file:
         yield file
 
 

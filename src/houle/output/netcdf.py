@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 TIME = fields.TIME.name
 PIECE = 1 << 20  # values that are copied at a time
+CACHE = (
+    1 << 20
+)  # bytes of chunks that HDF5 keeps of each variable: a copy takes as much memory, however long the file is
 COMPRESSED = 1000  # values, from which on a variable is worth it
 NOT_OF_A_RUN = "is this the folder of a run?"
 
@@ -75,7 +78,9 @@ def fill(path: Path, table: Table, grows: bool = False) -> None:
     with Sink(path) as sink:
         with h5netcdf.File(sink, "w") as file:
             _describe(file, table, grows)
-        with h5py.File(sink, "r+") as file:  # h5netcdf looks at all variables for the length of one that grows
+        with h5py.File(
+            sink, "r+", rdcc_nbytes=CACHE
+        ) as file:  # h5netcdf looks at all variables for the length of one that grows
             for name, variable in table.items():
                 for piece in pieces(variable):
                     file[name][piece] = variable.values[piece]
