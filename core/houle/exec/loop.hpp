@@ -31,9 +31,8 @@
 
 namespace houle {
 
-// Part of a loop. Not inlined: the same instructions run for any number of threads, where two
-// compilations could contract multiply-adds differently. It works on a copy of the body that nothing else points to, so
-// that the compiler keeps in registers what it captured.
+// Part of a loop. It is not inlined: one compilation serves any number of threads. It works on a copy of the body that
+// nothing else points to, so that the compiler keeps in registers what the body captured.
 template <class Body>
 HOULE_NOINLINE inline void run_share(index begin, index end, const Body& shared) {
   const Body body(shared);

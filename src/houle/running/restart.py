@@ -77,7 +77,7 @@ def restored(
     for path in checkpoints(directory):
         checkpoint = load_checkpoint(path)
         if checkpoint is None:
-            says.say(f"warning: {path.name} is damaged and passed over")
+            says.say(f"warning: {path.name} is passed over: it is damaged, or another version of houle wrote it")
             continue
         if checkpoint.meta.get("case_hash") not in list(hashes):
             others = True
