@@ -10,7 +10,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from houle import analysis
+from houle.analysis.coefficients import reflection
+from houle.analysis.errors import AnalysisError
+from houle.analysis.theory import porous_block, porous_block_lorentz
 from houle.case.porous import coefficients
 from houle.medium.resistance import inertia_coefficient
 from houle.medium.shapes import shape_of
@@ -18,7 +20,8 @@ from houle.medium.shapes import shape_of
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from houle.analysis import Reflection, Scatter
+    from houle.analysis.result import Reflection
+    from houle.analysis.theory import Scatter
     from houle.case.model import Case
     from houle.case.tables.tank import Porous
     from houle.results.run import Run
@@ -66,7 +69,7 @@ class Flume:
 
 
 def measure(run: Run) -> Reflection:
-    """C_R, C_T, C_D of the run with their intervals and window. Raises analysis.AnalysisError."""
+    """C_R, C_T, C_D of the run with their intervals and window. Raises AnalysisError."""
     case = run.case
     asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
@@ -75,7 +78,7 @@ def measure(run: Run) -> Reflection:
     place = limits(case, wave) if asked.window is None else given
     regular = waves.kind == "regular"
     levels = run.series.eta.sel(gauge=asked.gauges[0])
-    return analysis.reflection(
+    return reflection(
         run,
         depth=waves.depth,
         period=wave.period,
@@ -123,8 +126,8 @@ def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bo
     inertia = inertia_coefficient(n, body.added_mass)
     more: dict[str, Any] = {"inertia": inertia, "wall": wall, "gravity": case.fluid.gravity}
     if b == 0.0:
-        return analysis.porous_block(omega, depth, width, n, n * a / omega, **more)
-    return analysis.porous_block_lorentz(omega, depth, width, n, height, a, b, **more)
+        return porous_block(omega, depth, width, n, n * a / omega, **more)
+    return porous_block_lorentz(omega, depth, width, n, height, a, b, **more)
 
 
 def as_made(case: Case, found: Reflection) -> float:
@@ -140,7 +143,7 @@ def as_made(case: Case, found: Reflection) -> float:
     x, time = found.towards * record.x, record.time
     eta = [wave.elevation(place, time) for place in x]
     window = (found.window.start, found.window.end)
-    sea = analysis.reflection(
+    sea = reflection(
         (time, x, eta), depth=found.depth, period=found.period, kind="irregular", method=found.method, window=window,
         towards=found.towards, gravity=case.fluid.gravity,
     )  # fmt: skip
@@ -200,7 +203,7 @@ def record(run: Run) -> dict[str, Any]:
         return {}
     try:
         found = measure(run)
-    except analysis.AnalysisError as error:
+    except AnalysisError as error:
         return {"reflection": {"problem": str(error)}}
     draw(found, run.directory / PICTURE)
     names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
