@@ -26,7 +26,7 @@ ORDER = (
 RANK = {room: rank for rank, room in enumerate(ORDER)}
 ENTRIES = {"__init__", "__main__"}  # the names of the package, looked up when first used; and the command
 HALL = 8  # files beside the rooms, at most
-LONGEST = 18  # modules of an import chain, at most: from the command line through a run and a step down to the grid
+LONGEST = 14  # modules of an import chain, at most: from the command line through a run and a step down to the grid
 OURS = {
     "body", "case", "entry", "fields", "flow", "gauge", "grid", "medium", "outputs", "particles", "row", "run", "setup",
     "simulation", "solid", "table", "wave",

@@ -7,6 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
+from houle.case.build import build
 from houle.case.model import load
 from houle.case.reading import shipped
 from houle.case.section import CrossSection
@@ -249,7 +250,7 @@ def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, m
     better = float(message.partition("from ")[2].split()[0])
     assert 2e-5 < better < 3e-5
     with pytest.raises(CaseError, match="can be numbered"):
-        _ = tank(1e-5).domain.grid.core
+        build(tank(1e-5))
 
 
 def test_expected_velocity_of_a_drag_sheet_follows_the_drop():

@@ -20,13 +20,15 @@ from houle import observe
 from houle.case.acting import law_of_piston, source_of
 from houle.case.model import Case
 from houle.case.porous import porous_body
+from houle.case.shapes import shape_of
 from houle.case.tables.waves import Waves
+from houle.errors import CaseError
 from houle.flow.boundaries import BOUNDARIES, Surroundings
 from houle.flow.observer import Instruments, Observer, Site
 from houle.flow.rows import MARGIN
 from houle.flow.setup import Fluid, Make, Numerics, Setup, TimeControl, Water
 from houle.flow.viscosity import longest_step
-from houle.medium.shapes import shape_of
+from houle.grid import MOST_NUMBERS, Grid
 from houle.observe.ledger import Books, LedgerRow
 from houle.observe.paddle import MovingWall, PaddlePositions
 from houle.observe.snapshot import Snapshots
@@ -36,7 +38,10 @@ ALWAYS: tuple[type[Observer[Any]], ...] = (PaddlePositions, LedgerRow)  # observ
 
 
 def build(case: Case) -> Setup:
-    """The physics of a case. Raises CaseError where a file that it names, or its wave, cannot be had."""
+    """The physics of a case. Raises CaseError where a file that it names, or its wave, cannot be had, and where its
+    cells are too many.
+    """
+    _require_numbers(case.domain.grid)
     d, wave = case.dimension, case.wave
     period = case.drag_period if case.porous else math.inf
     return Setup(
@@ -57,6 +62,17 @@ def build(case: Case) -> Setup:
         frames=Snapshots,
         wave=wave,
     )
+
+
+def _require_numbers(grid: Grid) -> None:
+    """Raises CaseError where there are more cells than the core can number, before memory is asked for."""
+    cells = math.prod(grid.shape)
+    if cells > MOST_NUMBERS:
+        finer = min(grid.spacing) * (1.01 * cells / MOST_NUMBERS) ** (1 / grid.dimension)
+        raise CaseError(
+            f"domain.spacing = {min(grid.spacing):.3g} makes {cells:.3g} cells: at most {MOST_NUMBERS:.3g} can be "
+            f"numbered, from spacing = {finer:.2g} m on"
+        )
 
 
 def first_rows(case: Case) -> int:

@@ -14,8 +14,8 @@ from houle.analysis.coefficients import reflection
 from houle.analysis.errors import AnalysisError
 from houle.analysis.theory import porous_block, porous_block_lorentz
 from houle.case.porous import coefficients
+from houle.case.shapes import shape_of
 from houle.medium.resistance import inertia_coefficient
-from houle.medium.shapes import shape_of
 
 if TYPE_CHECKING:
     from pathlib import Path

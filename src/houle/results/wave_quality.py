@@ -111,7 +111,7 @@ def empty_flume(case: Case) -> Case:
 
 
 def _begins(solid: Solid) -> float:
-    from houle.medium.shapes import shape_of
+    from houle.case.shapes import shape_of
 
     return float(shape_of(solid, 2).bounds[0][0])
 
