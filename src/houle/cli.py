@@ -15,7 +15,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -252,7 +252,7 @@ class Steady(io.TextIOWrapper):
         os.close(nowhere)
 
 
-def steady(stream: Any, number: int) -> Any:
+def steady(stream: TextIO | None, number: int) -> TextIO:
     """The stream, made steady; one that is closed leads nowhere. A letter that it does not know is no failure."""
     if stream is None:
         stream = open(number, "w", encoding="utf-8", errors="replace", closefd=False)  # noqa: SIM115

@@ -32,8 +32,8 @@ NEAR = 1e-6  # m, of two places that are the same
 
 
 @dataclass(frozen=True)
-class Flume:
-    """Places along the flume [m]; the waves go from `maker` to `front`.
+class ReflectionFlume:
+    """Places along the flume as [reflection] names them [m]; the waves go from `maker` to `front`.
 
     back   where the wave that entered the structure turns at the latest: the back of the structure, or a wall
     wall   the side of the tank behind the structure      absorbed  a sponge takes the transmitted wave there
@@ -51,7 +51,7 @@ class Flume:
         return 1.0 if self.front > self.maker else -1.0
 
     @classmethod
-    def of(cls, case: Case) -> Flume:
+    def of(cls, case: Case) -> ReflectionFlume:
         assert case.reflection is not None and case.waves is not None
         waves, structure, end = case.waves, case.reflection.structure, case.domain.size[0]
         ends = waves.zone.x if waves.zone is not None else (waves.place,)
@@ -74,7 +74,7 @@ def measure(run: Run) -> Reflection:
     asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
     wave = wave_of(case)
-    given = {"window": asked.window, "towards": Flume.of(case).towards}
+    given = {"window": asked.window, "towards": ReflectionFlume.of(case).towards}
     place = limits(case, wave) if asked.window is None else given
     regular = waves.kind == "regular"
     levels = run.series.eta.sel(gauge=asked.gauges[0])
@@ -95,7 +95,7 @@ def measure(run: Run) -> Reflection:
 
 def limits(case: Case, wave: Wave) -> dict[str, Any]:
     """Bounds for `choose_window`, which finds when gauges hold the incident wave and its reflection alone."""
-    asked, waves, flume = case.reflection, case.waves, Flume.of(case)
+    asked, waves, flume = case.reflection, case.waves, ReflectionFlume.of(case)
     assert asked is not None and waves is not None
     reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
     reflector = flume.maker if reflector is not None and waves.piston is not None else reflector
@@ -111,7 +111,7 @@ def theory(case: Case, height: float) -> Scatter | None:
     asked = case.reflection
     if asked is None or not asked.theory or no_theory(case) is not None:
         return None
-    flume, body = Flume.of(case), case.porous[0]
+    flume, body = ReflectionFlume.of(case), case.porous[0]
     low, high = shape_of(body, case.dimension).bounds
     wall = abs((high if flume.towards > 0 else low)[0] - flume.wall) < NEAR
     return block_theory(case, body, wave_of(case).omega, height, wall)
@@ -163,7 +163,7 @@ def no_theory(case: Case) -> str | None:
         return f"{len(case.porous)} porous bodies, it is for one"
     if case.solid:
         return f"solid.{case.solid[0].name} stands in the flume, it is for a porous block alone"
-    body, flume, depth = case.porous[0], Flume.of(case), case.waves.depth
+    body, flume, depth = case.porous[0], ReflectionFlume.of(case), case.waves.depth
     shape = shape_of(body, case.dimension)
     (x0, z0), (x1, z1) = ((float(corner[0]), float(corner[-1])) for corner in shape.bounds)
     area = shape.section((x0, z0, x1, z1)).area if body.below is None else math.nan
