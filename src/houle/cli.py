@@ -15,7 +15,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -173,9 +173,11 @@ def validate(
     ] = None,
 ) -> None:
     """Run shipped cases, print the measured error beside tolerance and peers. Status 1 if one falls short."""
+    from houle.running.runner import once
     from houle.validation.engine import validate as compare
 
-    raise typer.Exit(compare(names, quick=quick, threads=threads, out=out, variants=variants))
+    compute = functools.partial(once, threads=threads)
+    raise typer.Exit(compare(names, once=compute, quick=quick, out=out, variants=variants))
 
 
 @app.command()
@@ -201,11 +203,11 @@ def reproduce(
     Runs that lie finished in DIR are not run again, interrupted ones go on. Status 3 if one failed.
     """
     from houle.reproduction.command import reproduce as compute
+    from houle.running.runner import once
 
-    status = compute(
-        paper, out, file=page, quick=quick, spacing=spacing, only=only or (), threads=threads, progress=not quiet
-    )
-    raise typer.Exit(status)
+    run = functools.partial(once, threads=threads, progress=not quiet)
+    wanted: dict[str, Any] = {"quick": quick, "spacing": spacing, "only": only or ()}
+    raise typer.Exit(compute(paper, out, once=run, file=page, progress=not quiet, **wanted))
 
 
 @app.command()
@@ -250,7 +252,7 @@ class Steady(io.TextIOWrapper):
         os.close(nowhere)
 
 
-def steady(stream: Any, number: int) -> Any:
+def steady(stream: TextIO | None, number: int) -> TextIO:
     """The stream, made steady; one that is closed leads nowhere. A letter that it does not know is no failure."""
     if stream is None:
         stream = open(number, "w", encoding="utf-8", errors="replace", closefd=False)  # noqa: SIM115

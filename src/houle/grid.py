@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.errors import CaseError
 
 FloatArray = NDArray[np.float64]
 Listed = tuple[NDArray[np.int32], FloatArray]  # a field of few values: the number of each cell, and the values
@@ -35,14 +34,7 @@ class Grid:
 
     @cached_property
     def core(self) -> Core:
-        """As the core takes it. CaseError where there are more cells than it can number, before memory is asked for."""
-        cells = math.prod(self.shape)
-        if cells > MOST_NUMBERS:
-            finer = min(self.spacing) * (1.01 * cells / MOST_NUMBERS) ** (1 / self.dimension)
-            raise CaseError(
-                f"domain.spacing = {min(self.spacing):.3g} makes {cells:.3g} cells: at most {MOST_NUMBERS:.3g} can be "
-                f"numbered, from spacing = {finer:.2g} m on"
-            )
+        """As the core takes it. ValueError where there are more than `MOST_NUMBERS` cells."""
         kind = _core.Grid2 if self.dimension == 2 else _core.Grid3
         return kind(self.shape, self.spacing, self.periodic)
 

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from houle.case.instruments import instruments
+from houle.case.build import instruments
 from houle.case.model import load
 from houle.flow.snapshot import Snapshot
 from houle.grid import Grid
@@ -35,7 +35,7 @@ def made_case(dimension=2, **tables):
 
 def made_outputs(folder, case, grid):
     """The writers of a run of a made case."""
-    return Outputs(folder, grid, [kind.stations for kind in instruments(case)], about(case))
+    return Outputs(folder, grid, [kind.stations for kind in instruments(case)], about(case.identity))
 
 
 def made_grid(dimension=2):

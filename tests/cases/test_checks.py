@@ -7,10 +7,11 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
+from houle.case.build import build
 from houle.case.model import load
 from houle.case.reading import shipped
 from houle.case.section import CrossSection
-from houle.check import cost, drag, rules
+from houle.check import cost, drag, machine, rules
 from houle.errors import CaseError
 from houle.output.drawing import INK, SHADE, SOLID, STONE
 from houle.output.section import draw
@@ -233,7 +234,7 @@ def test_the_reference_file_must_be_there(tmp_path):
 
 
 def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
-    monkeypatch.setattr(cost, "machine_memory", lambda: 8e9)
+    monkeypatch.setattr(machine, "machine_memory", lambda: 8e9)
     message = error(tank(1e-6))  # 3e11 cells of water: must be told before anything is allocated
     assert "domain.spacing = 1e-06 m makes 1.2e+12 particles" in message and "8 GB" in message
 
@@ -241,7 +242,7 @@ def test_a_spacing_that_the_machine_cannot_hold_is_an_error(monkeypatch):
 @pytest.mark.parametrize("memory", [None, 1e15])
 def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, memory):
     """On any machine, and told before anything is allocated: 1.2e10 half cells, where 32 bits number 2.1e9."""
-    monkeypatch.setattr(cost, "machine_memory", lambda: memory)
+    monkeypatch.setattr(machine, "machine_memory", lambda: memory)
     message = error(tank(1e-5))
     assert (
         "domain.spacing = 1e-05 m makes 1.2e+10 half cells" in message and "at most 2.15e+09 can be numbered" in message
@@ -249,7 +250,7 @@ def test_cells_and_particles_that_cannot_be_numbered_are_an_error(monkeypatch, m
     better = float(message.partition("from ")[2].split()[0])
     assert 2e-5 < better < 3e-5
     with pytest.raises(CaseError, match="can be numbered"):
-        _ = tank(1e-5).domain.grid.core
+        build(tank(1e-5))
 
 
 def test_expected_velocity_of_a_drag_sheet_follows_the_drop():

@@ -202,7 +202,7 @@ def test_the_newest_two_are_kept_and_a_run_cut_back_forgets_its_future(tmp_path)
 
 def test_the_manifest_says_what_ran_where_and_how_it_went(tmp_path):
     case = made_case()
-    start = collect(case, threads=2)
+    start = collect(case.identity, threads=2)
     outcome = {"time": 2.0, "steps": np.int64(10), "particles": 5, "wall_seconds": 1.0, "cpu_seconds": 1.0}
     outcome["operations"] = {"transfer": 0.5}
     write_manifest(tmp_path, summarise(start, finished=True, volume_drift=np.nan, energy={"kinetic": 1.0}, **outcome))

@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 from made_run import made_case, made_frame, made_grid, made_outputs, made_sample, write
 
+from houle.case.build import asked_by_tables
 from houle.case.describe import everything_written
-from houle.case.instruments import asked_by_tables
 from houle.observe.ledger import LedgerRow
 from houle.observe.paddle import PaddlePositions
 from houle.output import (

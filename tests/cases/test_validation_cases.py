@@ -1,6 +1,7 @@
 """Shipped cases are complete and load, their comparisons read runs rightly, and the engine tells the truth."""
 
 import re
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,12 +10,12 @@ import xarray as xr
 from rich.console import Console
 
 import houle
-import houle.running.runner
 from houle import analysis
 from houle.case.model import load
 from houle.case.reading import shipped
 from houle.check.rules import check
 from houle.errors import CaseError, SimulationError
+from houle.running import runner
 from houle.validation import Check, cases, coefficients, comparison, engine, measure, validate
 from houle.validation.check import Variant
 from houle.validation.exact import column_infiltration
@@ -254,19 +255,18 @@ def quiet():
 
 def test_unknown_case_is_refused_before_anything_runs():
     with pytest.raises(CaseError, match="standing-wave"):
-        validate(["standing-wave", "sitting-wave"], console=quiet())
+        validate(["standing-wave", "sitting-wave"], once=runner.once, console=quiet())
 
 
 @pytest.mark.parametrize(("value", "status"), [(0.5, 0), (2.0, 1), (float("nan"), 1)])
 def test_exit_status_follows_the_checks(monkeypatch, value, status):
     judged = engine.Comparison(lambda run: [Check("it", value, limit=1.0)], (Variant(),))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.running.runner, "once", lambda case, *_: SimpleNamespace(case=case))
-    assert validate(["standing-wave"], console=quiet()) == status
+    assert validate(["standing-wave"], once=lambda case, _: SimpleNamespace(case=case), console=quiet()) == status
 
 
 def test_a_failed_run_is_a_line_of_the_table_and_the_others_go_on(monkeypatch, tmp_path):
-    def once(case, out, threads):
+    def once(case, out):
         if case.domain.spacing > 0.005:
             raise SimulationError("the pressure did not converge")
         return SimpleNamespace(case=case)
@@ -276,9 +276,8 @@ def test_a_failed_run_is_a_line_of_the_table_and_the_others_go_on(monkeypatch, t
         (Variant("coarse", {"domain.spacing": 0.02}), Variant()),
     )
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.running.runner, "once", once)
     console = Console(record=True, width=160)
-    assert validate(["porous-column"], out=tmp_path, console=console) == 1
+    assert validate(["porous-column"], once=once, out=tmp_path, console=console) == 1
     text = console.export_text()
     assert "did not converge" in text and "0.005 m" in text
 
@@ -287,8 +286,11 @@ def test_quick_leaves_out_what_is_not(monkeypatch):
     ran = []
     judged = engine.Comparison(lambda run: [], (Variant("slow", quick=False), Variant("fast")))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.running.runner, "once", lambda case, out, threads: ran.append(out.name))
-    assert validate(["porous-column"], quick=True, console=quiet()) == 0
+
+    def once(case, out):
+        ran.append(out.name)
+
+    assert validate(["porous-column"], once=once, quick=True, console=quiet()) == 0
     assert ran == ["porous-column-fast"]
 
 
@@ -296,22 +298,25 @@ def test_variants_are_chosen_by_pattern_and_an_unknown_one_is_refused(monkeypatc
     ran = []
     judged = engine.Comparison(lambda run: [], tuple(map(Variant, ("", "T-1-s", "T-2-s", "T-2-s-wall"))))
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
-    monkeypatch.setattr(houle.running.runner, "once", lambda case, out, threads: ran.append(out.name))
-    assert validate(["porous-column"], variants=["T-2-*", ""], console=quiet()) == 0
+
+    def once(case, out):
+        ran.append(out.name)
+
+    assert validate(["porous-column"], once=once, variants=["T-2-*", ""], console=quiet()) == 0
     assert ran == ["porous-column", "porous-column-T-2-s", "porous-column-T-2-s-wall"]
     with pytest.raises(CaseError, match=r"T-3-.*There are: T-1-s"):
-        validate(["porous-column"], variants=["T-3-*"], console=quiet())
+        validate(["porous-column"], once=once, variants=["T-3-*"], console=quiet())
 
 
 def test_what_is_finished_is_kept_what_was_cut_goes_on_and_the_table_is_a_file(monkeypatch, tmp_path):
     short = {"domain.spacing": 0.05, "time.end": 0.02, "output.every": 0.01}
-    variants = (Variant("done", short), Variant("cut", short))
+    variants, once = (Variant("done", short), Variant("cut", short)), partial(runner.once, threads=1)
     judged = engine.Comparison(lambda run: [Check("steps", run.summary["steps"], limit=1e9)], variants)
     monkeypatch.setattr(engine, "comparison", lambda name: judged)
     houle.run(load("porous-startup", overrides=short), out=tmp_path / "porous-startup-cut", threads=1, until=0.005)
-    assert validate(["porous-startup"], out=tmp_path, threads=1, console=quiet()) == 0
-    monkeypatch.setattr(houle.running.runner, "run", None)  # nothing is begun again
-    assert validate(["porous-startup"], out=tmp_path, threads=1, console=quiet()) == 0
+    assert validate(["porous-startup"], once=once, out=tmp_path, console=quiet()) == 0
+    monkeypatch.setattr(runner, "run", None)  # nothing is begun again
+    assert validate(["porous-startup"], once=once, out=tmp_path, console=quiet()) == 0
     lines = (tmp_path / "porous-startup.csv").read_text(encoding="utf-8").splitlines()
     assert [line.split(",")[0] for line in lines] == ["variant", "done", "cut"]
     assert "| cut | steps |" in (tmp_path / "porous-startup.md").read_text(encoding="utf-8")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from typer.testing import CliRunner
@@ -63,7 +64,7 @@ def tiny():
         patch.setattr(runner, "draw", lambda run, session: None)
         patch.setattr(reflection, "draw", lambda found, path: None)
         yield lambda *args, **options: command.reproduce(
-            "jh2020", *args, **{"spacing": 0.05, "only": TINY, "threads": 1, **options}
+            "jh2020", *args, **{"once": partial(runner.once, threads=1), "spacing": 0.05, "only": TINY, **options}
         )
 
 
@@ -91,9 +92,8 @@ def test_the_page_holds_tables_and_figures(computed):
 def test_what_is_there_is_not_computed_again(computed, tiny, monkeypatch, tmp_path):
     """And the page goes where it is asked for, with all of the runs."""
     written = []
-    monkeypatch.setattr(command, "once", lambda *args: pytest.fail("computed a second time"))
     monkeypatch.setattr(page, "write", lambda *args: written.append(args))
-    assert tiny(computed, file=tmp_path / "page.md") == 0
+    assert tiny(computed, once=lambda *args: pytest.fail("computed a second time"), file=tmp_path / "page.md") == 0
     ((file, _, found, done, _),) = written
     assert file == tmp_path / "page.md"
     assert len(done.runs) == 3 and [p.name for p in found.pairs] == ["beads"]
@@ -106,13 +106,12 @@ def test_the_paper_gains_water_and_we_do_not(computed):
 
 
 def test_a_run_that_fails_is_told_and_does_not_stop_the_others(computed, tiny, monkeypatch, capsys):
-    def fail(case, place, threads, progress):
+    def fail(case, place):
         raise SimulationError("it fell over\nin detail")
 
     states = []
-    monkeypatch.setattr(command, "once", fail)
     monkeypatch.setattr(page, "write", lambda file, folder, found, done, quick: states.append(page._state(done, quick)))
-    assert tiny(computed, progress=True, only=["rock-houle", *TINY]) == 3
+    assert tiny(computed, once=fail, progress=True, only=["rock-houle", *TINY]) == 3
     assert "failed  rock-houle: it fell over" in capsys.readouterr().err
     assert states == [" Failed: rock-houle: it fell over."]
 

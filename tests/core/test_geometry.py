@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import shapely
 
+from houle.case.shapes import shape_of
 from houle.errors import CaseError
 from houle.grid import Grid
 from houle.medium.integrals import Measure, around_faces, covered_faces, over_cells, section_moments, with_tent
 from houle.medium.sections import layers, section
-from houle.medium.shapes import EVERYWHERE, Box, Polygon, Union, shape_of
+from houle.medium.shapes import EVERYWHERE, Box, Polygon, Union
 from houle.medium.solids import Outline
 
 ROUND_OFF = 1e-12

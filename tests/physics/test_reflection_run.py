@@ -22,10 +22,10 @@ def test_theory_is_given_for_one_upright_block_only():
 
 
 def test_flume_of_a_block_with_sponge_and_with_wall():
-    flume = reflection.Flume.of(load("wave-block"))
+    flume = reflection.ReflectionFlume.of(load("wave-block"))
     assert (flume.maker, flume.front, flume.back, flume.absorbed, flume.quiet) == (3.3, 6.1, 7.6, True, True)
     closed = load("wave-block", {"domain.size": [7.6, 0.35], "sponge": [], "reflection.behind": []})
-    assert reflection.Flume.of(closed).back == 7.6 and not reflection.Flume.of(closed).absorbed
+    assert reflection.ReflectionFlume.of(closed).back == 7.6 and not reflection.ReflectionFlume.of(closed).absorbed
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from houle.boundary.internal_source import FiniteSource, InternalSource, make_source
-from houle.case.maker import source_of
+from houle.case.acting import source_of
 from houle.case.tables.waves import Waves
 from houle.case.wave import make
 from houle.grid import Grid

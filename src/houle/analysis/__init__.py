@@ -19,10 +19,11 @@ if TYPE_CHECKING:
     from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
     from houle.analysis.errors import AnalysisError
     from houle.analysis.impact import Impact, largest_pressure
+    from houle.analysis.levels import Gauges
     from houle.analysis.overtopping import Overtopping, overtopping_events
     from houle.analysis.paper import Jh2020, jh2020
     from houle.analysis.quality import QualityCard, quality_card
-    from houle.analysis.records import Gauges, as_gauges, gauges, read_csv
+    from houle.analysis.records import as_gauges, gauges, read_csv
     from houle.analysis.result import Reflection
     from houle.analysis.runup import RunUp, run_up
     from houle.analysis.separation import (
@@ -86,10 +87,7 @@ __all__ = [
 ]
 
 _MODULES = {
-    "coefficients": (
-        "Reflection",
-        "reflection",
-    ),
+    "coefficients": ("reflection",),
     "erosion": (
         "Exit",
         "Shields",
@@ -103,6 +101,7 @@ _MODULES = {
         "Impact",
         "largest_pressure",
     ),
+    "levels": ("Gauges",),
     "overtopping": (
         "Overtopping",
         "overtopping_events",
@@ -116,11 +115,11 @@ _MODULES = {
         "quality_card",
     ),
     "records": (
-        "Gauges",
         "as_gauges",
         "gauges",
         "read_csv",
     ),
+    "result": ("Reflection",),
     "runup": (
         "RunUp",
         "run_up",

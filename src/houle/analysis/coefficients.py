@@ -10,7 +10,8 @@ import numpy as np
 
 from houle.analysis.errors import AnalysisError, positive
 from houle.analysis.estimate import Task, irregular, paper, regular
-from houle.analysis.records import Gauges, as_gauges, places
+from houle.analysis.levels import Gauges
+from houle.analysis.records import as_gauges, places
 from houle.analysis.result import Reflection
 from houle.analysis.waves import find_omega, spectrum
 from houle.analysis.window import Window, choose_window

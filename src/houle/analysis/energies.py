@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.analysis.records import Gauges
-from houle.analysis.separation import LEAST, operator, require_spread, spread, weights
+from houle.analysis.levels import Gauges
+from houle.analysis.separation import LEAST, Lines, operator, require_spread, spread, weights
 from houle.analysis.waves import basis, harmonics
 from houle.waves.dispersion import wave_number
 
@@ -82,20 +82,6 @@ def _right_number(method: str, number: int) -> None:
         raise AnalysisError(
             f"{method} does not go with {number} gauges: choose gauges=[...], or zelt-skjelbreia (2 or more)"
         )
-
-
-@dataclass(frozen=True)
-class Lines:
-    """The separated spectrum: frequency (n,) [Hz], energy densities (n,) [m2/Hz], and how each line was used.
-
-    trust (n,): 0 where the gauges cannot tell the waves apart at that frequency, else the part of their energy that two
-    waves explain (1 with two gauges: there is nothing to judge by).
-    """
-
-    frequency: Real
-    incident: Real
-    reflected: Real
-    trust: Real
 
 
 def lines(g: Gauges, depth: float, band: tuple[float, float], method: str, gravity: float, taper: float) -> Lines:

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis import energies, phase
-from houle.analysis.energies import Lines, Pieces
+from houle.analysis.energies import Pieces
 from houle.analysis.errors import AnalysisError
+from houle.analysis.levels import Gauges
 from houle.analysis.paper import jh2020
-from houle.analysis.records import Gauges
 from houle.analysis.result import Reflection
-from houle.analysis.separation import fit_wave_number, separate_xt, spread
+from houle.analysis.separation import Lines, fit_wave_number, separate_xt, spread
 from houle.analysis.uncertainty import bootstrap, half_width, subsets
 from houle.analysis.window import Window
 from houle.waves.dispersion import wave_number

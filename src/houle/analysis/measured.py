@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.analysis.energies import Lines
-from houle.analysis.records import Gauges
-from houle.analysis.separation import Components
+from houle.analysis.levels import Gauges
+from houle.analysis.separation import Components, Lines
 from houle.analysis.window import Window
 
 Interval = tuple[float, float]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis.errors import AnalysisError
-from houle.analysis.records import Gauges
+from houle.analysis.levels import Gauges
 
 ROUND_OFF = 1e-13  # share of the highest level at the gauges: a smaller amplitude counts as none
 SMALL = 0.15  # rad over the window: costs 1e-3 of the height

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -35,7 +35,7 @@ def draw(r: Measured, path: Path) -> Path:
     return path
 
 
-def _sheet(r: Measured, count: int) -> tuple[Figure, list[Any]]:
+def _sheet(r: Measured, count: int) -> tuple[Figure, list[Axes]]:
     """Panels one under another, the coefficients as the title, the colours at the foot."""
     width, height = LEFT + SIZE[0] + RIGHT, TOP + count * SIZE[1] + (count - 1) * GAP + BOTTOM
     figure = Figure(figsize=(width, height))
@@ -59,12 +59,12 @@ def _numbers(r: Measured) -> str:
     return "   ".join(f"${name}$ = {value:.3f}{span}" for (name, value, _), span in zip(known, between, strict=True))
 
 
-def _headings(panel: Any, left: str, right: str = "") -> None:
+def _headings(panel: Axes, left: str, right: str = "") -> None:
     panel.set_title(left, loc="left", fontsize=9, fontweight="bold", pad=4)
     panel.set_title(right, loc="right", fontsize=TEXT, color=GREY, pad=4)
 
 
-def _signals(panel: Any, r: Measured) -> None:
+def _signals(panel: Axes, r: Measured) -> None:
     g = r.record
     rows = np.unique(np.linspace(0, len(g.x) - 1, min(len(g.x), MOST_GAUGES)).round().astype(int))
     levels = g.eta[rows] - g.eta[rows].mean(axis=1, keepdims=True)
@@ -89,7 +89,7 @@ def _signals(panel: Any, r: Measured) -> None:
     )
 
 
-def _envelope(panel: Any, r: Measured) -> None:
+def _envelope(panel: Axes, r: Measured) -> None:
     """Amplitude of the first harmonic: measured at the gauges, and of the two waves between them."""
     assert r.amplitudes is not None
     first, x = r.harmonics[0], r.record.x
@@ -109,7 +109,7 @@ def _envelope(panel: Any, r: Measured) -> None:
     _headings(panel, "First harmonic: at the gauges, and the two waves together", unexplained)
 
 
-def _harmonics(panel: Any, r: Measured) -> None:
+def _harmonics(panel: Axes, r: Measured) -> None:
     sizes = [("incident", 0, INCIDENT, 1.0), ("reflected", 1, REFLECTED, 1.0)]
     sizes += [("free_incident", 2, INCIDENT, 0.45), ("free_reflected", 3, REFLECTED, 0.45)]
     largest = 1e3 * abs(r.harmonics[0].incident)
@@ -130,7 +130,7 @@ def _harmonics(panel: Any, r: Measured) -> None:
     _headings(panel, "Amplitudes taken apart", "pale: free waves; dark: moving with the primary wave")
 
 
-def _spectrum(panel: Any, r: Measured) -> None:
+def _spectrum(panel: Axes, r: Measured) -> None:
     assert r.lines is not None
     f, width = r.lines.frequency, max(1, len(r.lines.frequency) // 30)
     kernel = np.ones(width) / width

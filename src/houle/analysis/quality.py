@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from houle.analysis.energies import per_period
 from houle.analysis.errors import AnalysisError, positive
+from houle.analysis.levels import Gauges
 from houle.analysis.phase import followed
-from houle.analysis.records import Gauges, as_gauges
+from houle.analysis.records import as_gauges
 from houle.analysis.waves import harmonics
 from houle.waves.dispersion import GRAVITY, wave_number
 

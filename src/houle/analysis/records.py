@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError, positive
 from houle.analysis.holes import ROUNDED, UNITS, rising, seconds
+from houle.analysis.levels import Gauges
 from houle.data.csv_table import Table, missing_codes, read_table
 from houle.data.units import LENGTHS, TIMES, is_time, unit_of
 
@@ -23,45 +23,6 @@ if TYPE_CHECKING:
 Real = NDArray[np.float64]
 PLACE = r"\bx\s*=\s*([-+]?\d*[.,]?\d+)\s*(mm|cm|m)?\b"
 COUNTS = {"sample", "samples", "index", "no", "nr", "n", "i", "record", "scan", "point", "#"}
-
-
-@dataclass(frozen=True)
-class Gauges:
-    """time (T,) [s], evenly spaced and rising; x (G,) [m]; eta (G, T) [m] above any fixed level, finite.
-
-    notes: what the reader of the source had to say.
-    """
-
-    time: Real
-    x: Real
-    eta: Real
-    names: tuple[str, ...]
-    notes: str = ""
-
-    @property
-    def step(self) -> float:
-        """Sampling interval [s]."""
-        return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
-
-    def pick(self, chosen: Sequence[str | int] | None) -> Gauges:
-        """Only these gauges, by name or number, in this order; all of them when None."""
-        if chosen is None:
-            return self
-        unknown = [c for c in chosen if (c not in self.names if isinstance(c, str) else not 0 <= c < len(self.names))]
-        if unknown:
-            raise AnalysisError(f"there is no gauge {unknown[0]!r}; there are: {', '.join(self.names)}")
-        rows = [self.names.index(c) if isinstance(c, str) else int(c) for c in chosen]
-        return Gauges(self.time, self.x[rows], self.eta[rows], tuple(self.names[r] for r in rows), self.notes)
-
-    def between(self, start: float, end: float) -> Gauges:
-        """The samples of start <= time < end (to a thousandth of the sampling interval)."""
-        keep = (self.time >= start - 1e-3 * self.step) & (self.time < end - 1e-3 * self.step)
-        if not keep.any():
-            raise AnalysisError(
-                f"no sample between {start:g} and {end:g} s; the record goes from {self.time[0]:g} to "
-                f"{self.time[-1]:g} s"
-            )
-        return Gauges(self.time[keep], self.x, self.eta[:, keep], self.names, self.notes)
 
 
 def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] | None = None) -> Gauges:

@@ -123,6 +123,20 @@ class Components:
     resolved: bool
 
 
+@dataclass(frozen=True)
+class Lines:
+    """The separated spectrum: frequency (n,) [Hz], energy densities (n,) [m2/Hz], and how each line was used.
+
+    trust (n,): 0 where the gauges cannot tell the waves apart at that frequency, else the part of their energy that two
+    waves explain (1 with two gauges: there is nothing to judge by).
+    """
+
+    frequency: Real
+    incident: Real
+    reflected: Real
+    trust: Real
+
+
 def separate_xt(
     x: ArrayLike, F: ArrayLike, omega: float, depth: float, k: float | None = None, gravity: float = GRAVITY
 ) -> list[Components]:

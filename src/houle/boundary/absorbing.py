@@ -19,10 +19,9 @@ from math import pi
 import numpy as np
 
 from houle.boundary.paddle import Command, Paddle
-from houle.flow.boundaries import BOUNDARIES, BoundaryKind, Surroundings
+from houle.flow.boundaries import BOUNDARIES, BoundaryKind, Surroundings, Tank
 from houle.flow.component import State
 from houle.flow.particles import Particles
-from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.waves.piston import Law, Reading, reading_of

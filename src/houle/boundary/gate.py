@@ -12,10 +12,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from houle.flow.boundaries import BOUNDARIES, Boundary, BoundaryKind, Row, Surroundings
+from houle.flow.boundaries import BOUNDARIES, Boundary, BoundaryKind, Row, Surroundings, Tank
 from houle.flow.component import State
 from houle.flow.particles import Particles
-from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid, SingleFaces
 from houle.medium.medium import Medium
 

@@ -35,10 +35,9 @@ from numpy.typing import NDArray
 
 from houle.data.history import Record
 from houle.errors import CaseError, SimulationError
-from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings
+from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings, Tank
 from houle.flow.component import State
 from houle.flow.particles import Particles
-from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.waves.wave import Wave, ramp

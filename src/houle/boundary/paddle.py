@@ -14,10 +14,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from houle.errors import CaseError, SimulationError
-from houle.flow.boundaries import Boundaries, Boundary, Row
+from houle.flow.boundaries import Boundaries, Boundary, Row, Tank
 from houle.flow.component import Component, State
 from houle.flow.particles import Particles
-from houle.flow.tank import Tank
 from houle.grid import FloatArray, Grid, SingleFaces
 
 ROOM = 3  # cells between a paddle and the sides of the tank, or a gate: its mirror images need them

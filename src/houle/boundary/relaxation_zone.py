@@ -12,9 +12,8 @@ import numpy as np
 
 from houle.boundary.sponge import damping
 from houle.errors import CaseError
-from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings
+from houle.flow.boundaries import BOUNDARIES, Boundaries, Boundary, BoundaryKind, Surroundings, Tank
 from houle.flow.particles import Particles
-from houle.flow.tank import Tank
 from houle.grid import Faces, FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.waves.wave import Wave, WaveError, ramp

@@ -1,22 +1,37 @@
-"""Bands of the flume where a case acts on the water: makers of waves, sponges, moving walls and their reach."""
+"""What a case lets act on the water, and where along the flume: makers of waves, sponges, moving walls."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
 
-from houle.boundary.internal_source import ACTS
-from houle.case.maker import law_of_piston, source_of
+from houle.boundary.internal_source import ACTS, Source, source_width
 from houle.case.messages import place
 from houle.case.model import Case
-from houle.case.section import CrossSection
-from houle.case.tables.waves import Piston, Zone
+from houle.case.tables.waves import Piston, Waves, Zone
+from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
 NEARBY = 3.0  # depths in front of a piston where the water is to be even
 GIVES = 0.5  # of the way that a wave itself moves the water: an absorbing piston is taken to need this and more
 
 Reach = tuple[float, float]
+
+
+def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
+    """How the piston of a case moves, what it reads, and where it stands at rest [m]. Raises CaseError."""
+    waves = case.waves
+    assert waves is not None and waves.piston is not None
+    rest = case.domain.grid.nearest_face(waves.piston.x)
+    read = reading_of(wave, wave.depth, wave.gravity)
+    return law_of(wave, rest, read, waves.ramp_time(), regular=waves.kind == "regular"), read, rest
+
+
+def source_of(table: Waves, wave: Wave) -> Source:
+    """The source of [waves], its width known."""
+    given = table.source
+    assert given is not None
+    return Source(given.x, source_width(given.width, table.kind, wave), given.form, given.side)
 
 
 def reach(case: Case, wave: Wave) -> Reach:
@@ -91,12 +106,10 @@ class Band:
     hatch: str
 
 
-def acting(s: CrossSection, y: float) -> list[Band]:
-    """Bands along x where a case acts on the water: relaxation zone or source, sponges, reach of moving walls.
-
-    In 3D the sponges that reach over this y [m] count.
+def acting(case: Case, depth: float, y: float) -> list[Band]:
+    """Bands along x where a case acts on still water of this depth [m]: relaxation zone or source, sponges, reach of
+    moving walls. In 3D the sponges that reach over this y [m] count.
     """
-    case = s.case
     found = [
         Band(low[0], high[0], sponge.name, "//")
         for sponge in case.sponge
@@ -104,7 +117,7 @@ def acting(s: CrossSection, y: float) -> list[Band]:
         if len(low) == 2 or low[1] <= y <= high[1]
     ]
     wave = case.wave
-    found += [Band(*wall.span, wall.key.rpartition(".")[2], "|||") for wall in moving_walls(case, wave, s.depth())]
+    found += [Band(*wall.span, wall.key.rpartition(".")[2], "|||") for wall in moving_walls(case, wave, depth)]
     if case.waves is not None and case.waves.piston is None and wave is not None:
         words, hatch = ("source", "") if case.waves.source is not None else ("zone", "\\\\")
         found.append(Band(*reach(case, wave), f"{words}, {case.waves.kind}", hatch))

@@ -10,25 +10,38 @@ boundaries and observers are functions here.
 from __future__ import annotations
 
 import math
+import pkgutil
+from collections.abc import Iterator
 from functools import partial
+from importlib import import_module
 from typing import Any
 
-from houle.case.instruments import instruments
-from houle.case.maker import law_of_piston, source_of
+from houle import observe
+from houle.case.acting import law_of_piston, source_of
 from houle.case.model import Case
 from houle.case.porous import porous_body
+from houle.case.shapes import shape_of
 from houle.case.tables.waves import Waves
+from houle.errors import CaseError
 from houle.flow.boundaries import BOUNDARIES, Surroundings
+from houle.flow.observer import Instruments, Observer, Site
 from houle.flow.rows import MARGIN
 from houle.flow.setup import Fluid, Make, Numerics, Setup, TimeControl, Water
 from houle.flow.viscosity import longest_step
-from houle.medium.shapes import shape_of
+from houle.grid import MOST_NUMBERS, Grid
+from houle.observe.ledger import Books, LedgerRow
+from houle.observe.paddle import MovingWall, PaddlePositions
 from houle.observe.snapshot import Snapshots
 from houle.waves.wave import Wave
 
+ALWAYS: tuple[type[Observer[Any]], ...] = (PaddlePositions, LedgerRow)  # observers that no table asks for
+
 
 def build(case: Case) -> Setup:
-    """The physics of a case. Raises CaseError where a file that it names, or its wave, cannot be had."""
+    """The physics of a case. Raises CaseError where a file that it names, or its wave, cannot be had, and where its
+    cells are too many.
+    """
+    _require_numbers(case.domain.grid)
     d, wave = case.dimension, case.wave
     period = case.drag_period if case.porous else math.inf
     return Setup(
@@ -49,6 +62,17 @@ def build(case: Case) -> Setup:
         frames=Snapshots,
         wave=wave,
     )
+
+
+def _require_numbers(grid: Grid) -> None:
+    """Raises CaseError where there are more cells than the core can number, before memory is asked for."""
+    cells = math.prod(grid.shape)
+    if cells > MOST_NUMBERS:
+        finer = min(grid.spacing) * (1.01 * cells / MOST_NUMBERS) ** (1 / grid.dimension)
+        raise CaseError(
+            f"domain.spacing = {min(grid.spacing):.3g} makes {cells:.3g} cells: at most {MOST_NUMBERS:.3g} can be "
+            f"numbered, from spacing = {finer:.2g} m on"
+        )
 
 
 def first_rows(case: Case) -> int:
@@ -97,3 +121,51 @@ def maker(case: Case, waves: Waves, wave: Wave) -> tuple[str, dict[str, Any]]:
     if waves.zone is not None:
         return "zone", {"x": waves.zone.x}
     return "source", {"source": source_of(waves, wave), "kind": waves.kind, "current": waves.current}
+
+
+# ---- what is observed -----------------------------------------------------------------------------------------------
+
+
+def asked_by_tables() -> dict[str, type[Observer[Any]]]:
+    """The observers that tables of the case file ask for, by the key of the table: those of every file of
+    `houle.observe`, and others that have been defined.
+    """
+    for module in pkgutil.iter_modules(observe.__path__, "houle.observe."):
+        import_module(module.name)
+    return {observer.table: observer for observer in Observer.__subclasses__() if observer.table}
+
+
+def site_of(case: Case) -> Site:
+    """The tank of a case as its instruments know it."""
+    d = case.dimension
+    return Site(
+        size=case.domain.size,
+        grid=case.domain.grid,
+        density=case.fluid.density,
+        porous={body.name: shape_of(body, d) for body in case.porous},
+        solid={body.name: shape_of(body, d) for body in case.solid},
+        open=tuple(table.side for table in case.open),
+    )
+
+
+def instruments(case: Case) -> tuple[Instruments, ...]:
+    """Everything that a case observes: what its tables say, its moving walls, and the ledger."""
+    site = site_of(case)
+    asked = (asked_for(case, key, site) for key in case.observed())
+    return (*(kind for kind in asked if kind.them), *_always(case, site))
+
+
+def asked_for(case: Case, key: str, site: Site) -> Instruments:
+    """The instruments of the tables [[key]]: each has the keys of its table."""
+    observer = asked_by_tables()[key]
+    rows = ({name: getattr(row, name) for name in type(row).model_fields} for row in getattr(case, key))
+    return Instruments(observer, tuple(observer.instrument(**row) for row in rows), site)
+
+
+def _always(case: Case, site: Site) -> Iterator[Instruments]:
+    piston = case.waves.piston if case.waves is not None else None
+    walls = [MovingWall("piston", piston.x)] if piston is not None else []
+    walls += [MovingWall(absorber.name, absorber.x) for absorber in case.absorber]
+    if walls:
+        yield Instruments(PaddlePositions, tuple(walls), site)
+    yield Instruments(LedgerRow, (Books(by_levels=case.waves is not None),), site)

@@ -71,7 +71,7 @@ def numerics(console: Console) -> None:
 
 def everything_written() -> Iterator[Field]:
     """Every quantity that a run can write: on particles, on the grid, over the plan, in the series."""
-    from houle.case.instruments import ALWAYS, asked_by_tables
+    from houle.case.build import ALWAYS, asked_by_tables
     from houle.case.model import Case
     from houle.fields import TIME
     from houle.flow import snapshot

@@ -18,10 +18,9 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from houle.case import messages
-from houle.case.consistency import disagreements, prefixes
 from houle.case.reading import find, override, plain, read_toml, to_toml
 from houle.case.tables.base import Table
-from houle.case.tables.whole import Tables
+from houle.case.tables.whole import Tables, disagreements, prefixes
 from houle.case.wave import make
 from houle.errors import CaseError
 from houle.registry import choices
@@ -112,6 +111,18 @@ class Case(Tables):
     def to_toml(self) -> str:
         """A case file that gives the same case."""
         return to_toml(self.to_dict())
+
+    @property
+    def identity(self) -> dict[str, str | None]:
+        """Name, title, file, hash and text of the case: what the files of a run say of it."""
+        file = str(self.path) if self.path else None
+        return {
+            "name": self.case.name,
+            "title": self.case.title,
+            "file": file,
+            "hash": self.hash,
+            "text": self.to_toml(),
+        }
 
     @property
     def hash(self) -> str:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from houle.case.shapes import shape_of
 from houle.case.tables.tank import Porous, Resistance
 from houle.medium.resistance import LAWS, Pair, from_permeability, inertia_coefficient
 from houle.medium.sections import PorousBody
-from houle.medium.shapes import shape_of
 
 
 def porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:

@@ -13,6 +13,7 @@ from shapely.ops import polylabel
 
 from houle.case.messages import place
 from houle.case.model import Case
+from houle.case.shapes import shape_of
 from houle.case.tables.tank import Shape
 from houle.grid import FloatArray
 from houle.medium import sections, shapes
@@ -55,7 +56,7 @@ class CrossSection:
 
     def _entries(self, key: str, rows: Sequence[Row]) -> list[Entry[Row]]:
         d, tables = self.case.dimension, self.case.__dict__
-        return [Entry(place((key, i), tables), row, shapes.shape_of(row, d)) for i, row in enumerate(rows)]
+        return [Entry(place((key, i), tables), row, shape_of(row, d)) for i, row in enumerate(rows)]
 
     def area(self, entries: Sequence[Entry[Shape]], layer: shapes.Span) -> shapely.Geometry:
         """The part of the tank's section in a layer that the entries cover together."""

@@ -20,8 +20,8 @@ SETTLE = 2.0  # periods after the front
 
 
 @dataclass(frozen=True)
-class Flume:
-    """Places along the flume, from the maker to the right [m]."""
+class DrawnFlume:
+    """Places along the flume as it is drawn, from the maker to the right [m]."""
 
     maker: float
     gauges: list[float]
@@ -30,7 +30,7 @@ class Flume:
     right: float | None  # the wall at the other end, None behind a sponge
 
     @classmethod
-    def of(cls, case: Case, section: CrossSection, wave: Wave) -> Flume:
+    def of(cls, case: Case, section: CrossSection, wave: Wave) -> DrawnFlume:
         assert case.waves is not None
         source = isinstance(case.waves.maker, Source)
         maker = reach(case, wave)[1] if not source else case.waves.place
@@ -58,7 +58,7 @@ def steady(case: Case) -> Finding | None:
     fewest, end = FEWEST if waves.kind == "regular" else FEWEST_OF_A_SPECTRUM, case.time.end
     if case.reflection is not None:
         return _measured(case, wave, case.reflection, fewest)
-    flume = Flume.of(case, CrossSection(case), wave)
+    flume = DrawnFlume.of(case, CrossSection(case), wave)
     if not flume.gauges or (waves.source is not None and waves.source.side == "left"):
         return None
     face = flume.structure if flume.structure is not None else flume.right

@@ -12,8 +12,7 @@ from rich.table import Table
 
 from houle.boundary.open_side import CROSSINGS
 from houle.boundary.sponge import damping, left_over, sides
-from houle.case.acting import reach
-from houle.case.maker import law_of_piston, source_of
+from houle.case.acting import law_of_piston, reach, source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection

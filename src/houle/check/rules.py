@@ -15,15 +15,14 @@ from typing import Literal
 import numpy as np
 import shapely
 
-from houle.case.build import viscous_step
-from houle.case.instruments import asked_for, site_of
+from houle.case.build import asked_for, first_rows, site_of, viscous_step
 from houle.case.messages import guess, place, several
 from houle.case.model import Case
 from houle.case.reading import is_file
 from houle.case.section import CrossSection
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
-from houle.check.cost import memory_suffices
 from houle.check.finding import Finding
+from houle.check.machine import memory_suffices
 from houle.check.waves import sponges_fit, waves_fit
 from houle.errors import CaseError, metres
 from houle.flow.schemes import SCHEMES
@@ -285,6 +284,11 @@ def reference_is_there(s: CrossSection) -> Iterator[Finding]:
         yield Finding("error", "reference.surface", text)
 
 
+def fits_the_machine(s: CrossSection) -> Iterator[Finding]:
+    """This machine has the memory that the run takes, and every cell and particle can be numbered."""
+    yield from memory_suffices(s, first_rows(s.case))
+
+
 CHECKS = (
     water_is_somewhere,
     bodies_agree,
@@ -296,7 +300,7 @@ CHECKS = (
     times,
     materials,
     remeshing,
-    memory_suffices,
+    fits_the_machine,
     waves_fit,
     sponges_fit,
     open_sides_fit,

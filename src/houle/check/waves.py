@@ -16,8 +16,7 @@ import shapely
 
 from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
 from houle.boundary.sponge import sides
-from houle.case.acting import Reach, reach
-from houle.case.maker import source_of
+from houle.case.acting import Reach, reach, source_of
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.section import CrossSection

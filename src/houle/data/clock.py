@@ -6,8 +6,6 @@ import datetime
 import re
 from math import inf
 
-from houle.errors import HouleError
-
 DATE = r"(?P<a>\d{1,4})(?P<mark>[-/.])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})"
 CLOCK = (
     r"(?P<h>\d{1,2}):(?P<m>\d{2}(?:[.,]\d+)?)(?::(?P<s>\d{2}(?:[.,]\d+)?))?\s*"
@@ -40,7 +38,7 @@ class Clock:
     midnight. A row that is wrong raises `error` with the name of the file and the line.
     """
 
-    def __init__(self, name: str, error: type[HouleError]) -> None:
+    def __init__(self, name: str, error: type[Exception]) -> None:
         self.name, self.error = name, error
         self.first: tuple[str, ...] | None = None
         self.day_first: bool | None = None

@@ -1,4 +1,4 @@
-"""What stands in a tank: the protocol of a boundary, and the list of those of a flow.
+"""What stands in a tank: what a boundary sees of the tank, the protocol of a boundary, and the list of those of a flow.
 
 A boundary writes the methods of what it does and leaves out the others, which do nothing here. Any two stand in one
 tank: openness multiplies, resistances, pushes and fluxes add, and the faces that one prescribes are its own. Where two
@@ -19,14 +19,47 @@ from typing import ClassVar, Literal, overload
 import numpy as np
 
 from houle.flow.component import Component
-from houle.flow.particles import Particles
-from houle.flow.remeshers import EVERYWHERE, Nodes
-from houle.flow.tank import Tank
-from houle.grid import Faces, FloatArray, SingleFaces
+from houle.flow.particles import EVERYWHERE, Nodes, Particles
+from houle.flow.workspace import Workspace
+from houle.grid import Faces, FloatArray, Grid, SingleFaces
+from houle.medium.medium import Medium
 from houle.registry import Choices
 from houle.waves.wave import Wave
 
 Row = tuple[float, float]
+
+
+class Tank(Component):
+    """Water in a tank: particles, and fields on the grid. Each step overwrites the arrays of the fields.
+
+    gravity       acceleration of the water, per axis, the last one up [m/s2]
+    time          that of the positions: in a step, at its start [s]
+    step_size     length of the step that is done or in progress [s]; last_step: of the one before it, 0 in the first
+    kick          time over which the last forces changed old_velocity into velocity [s]
+    fill          water volume / pore volume of the cells, tent-smoothed [-]
+    submergence   of the cell centres: how far below the free surface they are [cells]; active: those under water
+    eta           level of the free surface [m], NaN where dry
+    velocity      Darcy velocity on the faces [m/s]; old_velocity: before the forces
+    pressure      p / rho of the cells [m2/s2]
+    """
+
+    def __init__(self, grid: Grid, medium: Medium, particles: Particles, gravity: tuple[float, ...]) -> None:
+        self.grid, self.medium, self.particles = grid, medium, particles
+        self.gravity = tuple(float(g) for g in gravity)
+        self.time = self.step_size = self.last_step = 0.0
+        self.kick = 1.0
+        self.fill = grid.cells()
+        self.submergence = grid.cells()
+        self.active = np.zeros(grid.shape, np.uint8)
+        self.eta = np.zeros(grid.shape[:-1])
+        self.velocity = grid.faces()
+        self.old_velocity = grid.faces()
+        self.pressure = grid.cells()
+        self.work = Workspace(grid, len(particles))
+
+    def kick_of(self, dt: float) -> float:
+        """Time from the middle of the last step to that of one of dt [s] that begins now: forces act over it [s]."""
+        return 0.5 * (self.last_step + dt)
 
 
 class Boundary(Component):

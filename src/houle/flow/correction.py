@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from houle import _core
+from houle.flow.crossing import book_crossings, crossing, near_crests
 from houle.flow.ledger import Ledger
-from houle.flow.motion import book_crossings, crossing, near_crests
 from houle.flow.state import Flow
 from houle.flow.surface import find_surface
 

@@ -10,19 +10,37 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Protocol
 from weakref import ref
 
 import numpy as np
 
+from houle.flow.boundaries import Boundaries
 from houle.flow.component import Component, State
+from houle.flow.particles import Particles
 from houle.grid import FloatArray
-
-if TYPE_CHECKING:
-    from houle.flow.state import Flow
 
 WORKS = ("drag_work", "viscous_work", "sponge_work", "source_work", "open_work")
 OPERATIONS = ("forces", "projection", "transfer", "advection", "exchange", "correction", "remeshing")
+
+
+class Booked(Protocol):
+    """What a ledger reads of the flow whose energy it books: the water, its boundaries, its energies per density."""
+
+    particles: Particles
+    boundaries: Boundaries
+
+    def kinetic_energy(self) -> float:
+        """That of the particles [m^d m2/s2]."""
+        ...
+
+    def grid_kinetic_energy(self) -> float:
+        """That of the faces [m^d m2/s2]."""
+        ...
+
+    def potential_energy(self) -> float:
+        """That of the particles [m^d m2/s2]."""
+        ...
 
 
 class _Clock:
@@ -63,7 +81,7 @@ class Ledger(Component):
     kinetic, potential   energy after the last operation
     """
 
-    def __init__(self, flow: Flow) -> None:
+    def __init__(self, flow: Booked) -> None:
         self.flow = flow
         self.seconds: dict[str, float] = {}
         self.energy: dict[str, float] = dict.fromkeys(OPERATIONS, 0.0)

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
-import numpy as np
-
 from houle import _core
+from houle.flow.crossing import book_crossings, crossing, near_crests
 from houle.flow.state import Flow
 from houle.flow.surface import find_surface, sort
-from houle.flow.transfer import interpolate
 from houle.grid import FloatArray
 
 
@@ -48,40 +43,6 @@ def settle(flow: Flow) -> None:
         _core.settle(flow.grid.core, *medium, *state, flow.interfaces)
 
 
-@contextmanager
-def crossing(flow: Flow, dt: float, behind: float) -> Iterator[None]:
-    """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
-    and turn as C_r changes. behind: time [s] in which momentum falls behind where added mass is on the rate alone.
-    """
-    if not flow.porous:
-        yield
-        return
-    ago = _convective_share(flow)
-    change = _fall_behind(flow, behind) if flow.lag and behind > 0.0 else None
-    yield
-    if change is not None:
-        flow.particles.velocity += change
-    flow.carry(dt, ago)
-
-
-def _convective_share(flow: Flow) -> FloatArray | None:
-    """K/C_r where the particles are (N,); None where it is 1 everywhere."""
-    if flow.lag is None:
-        return None
-    share, (number, lag) = np.empty(len(flow.particles)), flow.lag
-    _core.gather_cells(flow.grid.core, flow.particles.position, lag[number], share)
-    return 1.0 - share
-
-
-def _fall_behind(flow: Flow, dt: float) -> FloatArray:
-    """Change of the velocities (N, d) as momentum moves with K/C_r of the velocity of the water."""
-    medium = (*flow.crossing, flow.held, flow.medium.listed("lag"), flow.medium.listed("particle_porosity"))
-    on_faces, change = flow.grid.faces(), np.empty_like(flow.particles.velocity)
-    _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.interfaces)
-    interpolate(flow, on_faces, change)
-    return change
-
-
 def move(flow: Flow, dt: float, linear: bool) -> None:
     """Particles along the pore velocity of the grid, midpoint rule. linear: whether they have that velocity where they
     are, as `Transfer.to_particles` says: then it is not interpolated again.
@@ -113,16 +74,3 @@ def arrive(flow: Flow, start: FloatArray, velocity: FloatArray, dt: float) -> No
     """Particles from `start` with pore velocities of their own, to where they stay."""
     drift(flow, start, velocity, None, dt)
     book_crossings(flow, near_crests(flow, start))
-
-
-def near_crests(flow: Flow, position: FloatArray) -> list[FloatArray]:
-    """Copies of the positions near each crest."""
-    return [position[crest.near(flow.start)].copy() for crest in flow.crests]
-
-
-def book_crossings(flow: Flow, before: list[FloatArray]) -> None:
-    """Books what crosses the crests on the way from there to where the particles are now."""
-    p = flow.particles
-    for crest, was in zip(flow.crests, before, strict=True):
-        near = crest.near(flow.start)
-        crest.moved(was, p.position[near], p.volume[near])

@@ -34,6 +34,9 @@ from houle.grid import FloatArray, Grid
 
 OWN = ("position", "velocity", "volume")  # the columns that every particle has
 
+Nodes = tuple[int, int]  # along x: the first node of the lattice that particles are made anew on, and the end of it
+EVERYWHERE: Nodes = (0, -1)
+
 
 @dataclass(frozen=True)
 class Column:

@@ -23,15 +23,12 @@ from numpy.typing import NDArray
 
 from houle import _core
 from houle.errors import SimulationError
-from houle.flow.particles import Particles
+from houle.flow.particles import EVERYWHERE, Nodes, Particles
 from houle.grid import FloatArray, Grid
 from houle.medium.interfaces import Interfaces
 from houle.medium.medium import Medium
 from houle.medium.solids import Outline
 from houle.registry import Choices
-
-Nodes = tuple[int, int]
-EVERYWHERE: Nodes = (0, -1)
 
 
 class Remesher:

@@ -21,7 +21,7 @@ from houle.flow.transfer import Transfer
 from houle.grid import FloatArray, widened
 
 
-class Remeshing(Component):
+class RemeshingSchedule(Component):
     """Calls a remesher every `every` steps, once water has moved on by `travel` cells (`Remesher.travel`).
 
     count      steps since the last remeshing

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING
 
 from houle.flow.boundaries import Boundary
 from houle.flow.observer import Instruments
@@ -21,9 +20,6 @@ from houle.medium.medium import Medium
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import Shape
 from houle.waves.wave import Wave
-
-if TYPE_CHECKING:
-    pass
 
 Make = Callable[[Grid, Medium, Particles], Boundary]  # of the grid of a flow, the medium, the water at the start
 

@@ -22,7 +22,7 @@ from houle.flow.motion import begin
 from houle.flow.observer import Now, Observer, Sample
 from houle.flow.particles import Particles
 from houle.flow.remeshers import REMESHERS
-from houle.flow.remeshing_schedule import Remeshing
+from houle.flow.remeshing_schedule import RemeshingSchedule
 from houle.flow.rows import more_rows
 from houle.flow.seeding import seed
 from houle.flow.setup import SHORTEST, WAVE_SHARE, Setup, Water
@@ -66,7 +66,7 @@ class Simulation(Component):
             boundaries=[make(grid, self.medium, water) for make in setup.boundaries],
         )  # fmt: skip
         transfer = TRANSFERS[numerics.transfer].of(order=numerics.order, flip=numerics.flip)
-        remeshing = Remeshing(REMESHERS[numerics.remesh].of(grid, self.medium), numerics.remesh_every)
+        remeshing = RemeshingSchedule(REMESHERS[numerics.remesh].of(grid, self.medium), numerics.remesh_every)
         self.flow.particles.declare(*transfer.columns(grid.dimension))
         self.step = STEPS[numerics.scheme](transfer, numerics.correction, remeshing)
         arrange(self.flow)

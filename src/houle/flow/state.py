@@ -11,15 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle import _core
-from houle.flow.boundaries import Boundaries, Boundary
+from houle.flow.boundaries import Boundaries, Boundary, Tank
 from houle.flow.component import Component, State
 from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column, Particles
 from houle.flow.seeding import column_pores, seed_slabs
-from houle.flow.tank import Tank
 from houle.flow.viscosity import REACH, Smoothing
 from houle.flow.workspace import Workspace
-from houle.grid import Faces, FloatArray, Grid, Listed, spread, widened
+from houle.grid import Core, Faces, FloatArray, Grid, Listed, spread, widened
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
 from houle.medium.medium import Medium
@@ -265,6 +264,15 @@ class Flow(Tank):
     def porosity(self) -> FloatArray:
         """At the particles (N,)."""
         return self.particles.volume / self.bulk if self.porous else np.broadcast_to(1.0, len(self.particles))
+
+    @property
+    def cloud(self) -> tuple[Core, str, FloatArray, FloatArray | None, FloatArray, NDArray[np.int32]]:
+        """The particles as the core takes them in a transfer."""
+        return self.grid.core, self.kernel, self.particles.position, self.side, self.bulk, self.start
+
+    def interpolate(self, faces: Faces, out: FloatArray) -> None:
+        """Sets out (N, d) to a field on the faces where the particles are, as they see velocities."""
+        _core.to_particles(*self.cloud, faces, [], [], 0.0, out, self.interfaces)
 
     def drop_work(self) -> None:
         """Gives the memory of the work space back, of a large flow only: to get it again takes time."""

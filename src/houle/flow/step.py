@@ -16,7 +16,7 @@ from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, vi
 from houle.flow.ledger import Ledger
 from houle.flow.motion import arrive, drift, exchange, move, move_walls, settle
 from houle.flow.projection import project
-from houle.flow.remeshing_schedule import Remeshing
+from houle.flow.remeshing_schedule import RemeshingSchedule
 from houle.flow.state import Flow
 from houle.flow.surface import arrange, find_surface, sort
 from houle.flow.transfer import Transfer
@@ -32,7 +32,7 @@ class Step(Component):
 
     transfer: Transfer
     correction: float
-    remeshing: Remeshing
+    remeshing: RemeshingSchedule
     velocity_lag: ClassVar[float] = 0.5  # of a step, behind the positions
     pressure_lag: ClassVar[float] = 1.0
 
@@ -77,7 +77,7 @@ class PaperStep(Component):
 
     transfer: Transfer
     correction: float
-    remeshing: Remeshing
+    remeshing: RemeshingSchedule
     velocity_lag: ClassVar[float] = 0.0
     pressure_lag: ClassVar[float] = 0.0
 

@@ -14,13 +14,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from houle import _core
 from houle.flow.kernels import KERNELS
 from houle.flow.particles import Column
 from houle.flow.state import SPRAY, Flow
-from houle.grid import Core, Faces, FloatArray
+from houle.grid import Faces
 from houle.registry import Choices
 
 
@@ -55,16 +54,6 @@ class Transfer:
         """Fills the columns that are made from the grid, after other particles were put in the place of the old."""
 
 
-def _cloud(flow: Flow) -> tuple[Core, str, FloatArray, FloatArray | None, FloatArray, NDArray[np.int32]]:
-    """The particles as the core takes them in a transfer."""
-    return flow.grid.core, flow.kernel, flow.particles.position, flow.side, flow.bulk, flow.start
-
-
-def interpolate(flow: Flow, faces: Faces, out: FloatArray) -> None:
-    """Sets out (N, d) to a field on the faces where the particles are, as they see velocities."""
-    _core.to_particles(*_cloud(flow), faces, [], [], 0.0, out, flow.interfaces)
-
-
 class Pic(Transfer):
     """Particle in cell: the velocity of a particle is that of the grid. Stable and very dissipative."""
 
@@ -75,11 +64,11 @@ class Pic(Transfer):
     def to_grid(self, flow: Flow) -> None:
         """Sets the velocity of a face to the mean of the particles around it, by mass and kernel."""
         faces = (flow.velocity, flow.work.face_mass)
-        _core.to_faces(*_cloud(flow), flow.particles.velocity, None, *faces, flow.interfaces)
+        _core.to_faces(*flow.cloud, flow.particles.velocity, None, *faces, flow.interfaces)
 
     def to_particles(self, flow: Flow) -> bool:
         """Interpolates the velocity of the grid."""
-        interpolate(flow, flow.velocity, flow.particles.velocity)
+        flow.interpolate(flow.velocity, flow.particles.velocity)
         return flow.kernel == "linear"
 
 
@@ -122,7 +111,7 @@ class Fmpm(Pic):
         super().to_grid(flow)
         for _ in range(1, self.order):
             faces = (work.face_mass, flow.velocity, flow.old_velocity)
-            _core.add_residual(*_cloud(flow), p.velocity, *faces, flow.interfaces)
+            _core.add_residual(*flow.cloud, p.velocity, *faces, flow.interfaces)
 
 
 class Flip(Pic):
@@ -151,7 +140,7 @@ class Flip(Pic):
     def to_particles(self, flow: Flow) -> bool:
         """Adds what forces and pressure changed; what a particle had is reduced by the drag where it is."""
         faces = (flow.velocity, velocity_change(flow), flow.drag)
-        _core.to_particles(*_cloud(flow), *faces, self.share, flow.particles.velocity, flow.interfaces)
+        _core.to_particles(*flow.cloud, *faces, self.share, flow.particles.velocity, flow.interfaces)
         return False
 
 
@@ -185,7 +174,7 @@ class Apic(Pic):
     def to_grid(self, flow: Flow) -> None:
         """Sets the velocity of a face to the mean of what the particles around it have there, by mass and kernel."""
         p, faces = flow.particles, (flow.velocity, flow.work.face_mass)
-        _core.to_faces(*_cloud(flow), p.velocity, p["affine"], *faces, flow.interfaces)
+        _core.to_faces(*flow.cloud, p.velocity, p["affine"], *faces, flow.interfaces)
 
     def to_particles(self, flow: Flow) -> bool:
         """Interpolates the velocity of the grid and its gradient."""
@@ -195,7 +184,7 @@ class Apic(Pic):
 
     def renew(self, flow: Flow) -> None:
         """Takes the velocity gradient of the grid where the particles are: without it remeshing would be PIC."""
-        _core.affine_from(*_cloud(flow), flow.velocity, flow.particles["affine"], flow.interfaces)
+        _core.affine_from(*flow.cloud, flow.velocity, flow.particles["affine"], flow.interfaces)
 
 
 TRANSFERS: Choices[type[Transfer]] = Choices("transfer", (Fmpm, Flip, Pic, Apic))

@@ -16,8 +16,6 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from houle.errors import CaseError
-
 FloatArray = NDArray[np.float64]
 Span = tuple[float, float]  # of y; everything in 2D
 Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max
@@ -130,44 +128,6 @@ class Union:
 
     def section(self, window: Window) -> shapely.Geometry:
         return shapely.union_all([p.section(window) for p in self.parts])
-
-
-class Described(Protocol):
-    """A region in the words of a case file: one of these is given, the others are None.
-
-    box      lower and upper corner [m]
-    polygon  corners in the vertical section [m]
-    below    level below which everything belongs to it [m]
-    """
-
-    @property
-    def box(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None: ...
-
-    @property
-    def polygon(self) -> tuple[tuple[float, float], ...] | None: ...
-
-    @property
-    def below(self) -> float | None: ...
-
-
-def shape_of(entry: Described, dimension: int) -> Shape:
-    """The shape of a case entry: exactly one of box = [[lower], [upper]], polygon = [[x, z], ...], below = level."""
-    if (corners := entry.box) is not None:
-        lower, upper = (tuple(map(float, corner)) for corner in corners)
-        if not (len(lower) == len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))):
-            raise CaseError(
-                f"box = [{list(lower)}, {list(upper)}] is not a box in {dimension}D: "
-                f"give two corners of {dimension} numbers, the first one the lower on every axis."
-            )
-        return Box(lower, upper)
-    if (outline := entry.polygon) is not None:
-        try:
-            return Polygon(enclosed(outline), dimension)
-        except ValueError as error:
-            raise CaseError(f"polygon = {list(outline)} is not a simple polygon: it {error}") from None
-    if (level := entry.below) is not None:
-        return Box((-np.inf,) * dimension, (*[np.inf] * (dimension - 1), float(level)))
-    raise CaseError("a shape needs one of: box = [[lower], [upper]], polygon = [[x, z], ...], below = level.")
 
 
 def enclosed(corners: Sequence[tuple[float, float]]) -> shapely.Geometry:

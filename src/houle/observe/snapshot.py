@@ -2,15 +2,37 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from houle.flow.snapshot import Snapshot
 from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
+from houle.observe.levels import Columns
 from houle.observe.points import at_points
-from houle.observe.profile import Profile
 
 WET = 1e-3  # fill of a cell [-], from which on its velocity means something
+
+
+class Profile:
+    """Level of the free surface [m] at the centres of all columns of cells, as gauges there would read it.
+
+    It has no level where a solid stands on the floor up to the water; NaN there and where it is dry.
+    """
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow = flow
+
+    def levels(self) -> FloatArray:
+        """The levels [m] in the present flow, grid.shape[:-1], in a new array."""
+        level, _, buried = self._columns.levels(self.flow)
+        level[buried] = np.nan
+        return level.reshape(self.flow.eta.shape)
+
+    @cached_property
+    def _columns(self) -> Columns:
+        return Columns(self.flow, np.arange(self.flow.eta.size))
 
 
 class Snapshots:

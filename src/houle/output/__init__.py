@@ -2,7 +2,7 @@
 
 For the runner (every failure of the file system is an OutputError: one message with path and cure):
 
-    out = Outputs(directory, grid, stations, about)   writes nothing yet; stations: of what is observed; about(case)
+    out = Outputs(directory, grid, stations, about(case.identity))   writes nothing yet; stations: of what is observed
     out.truncate_after(time, row)          to resume: go on with the files there, what is after those times is dropped;
                                            returns what is lost of them, in words
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
@@ -15,7 +15,7 @@ For the runner (every failure of the file system is an OutputError: one message 
     load_newest(directory)                          Checkpoint or None: .path .step .state .meta; skips a damaged file
     checkpoints(directory)                          their paths, newest first
 
-    collect(case, threads)                          the manifest at the start of a run
+    collect(case.identity, threads)                 the manifest at the start of a run
     summarise(manifest, finished=, time=, ...)      with the outcome, at the end
     write_manifest(directory, manifest)             run.json; read_manifest(directory)
 

@@ -16,27 +16,26 @@ from typing import Any
 
 import numpy as np
 
-from houle.case.model import Case
 from houle.output.atomic import OutputError, regular, write_text
 
 NAME = "run.json"
 PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matplotlib")
 
 
-def about(case: Case) -> dict[str, str]:
-    """The global attributes of every file of results: what made it."""
+def about(identity: Mapping[str, str | None]) -> dict[str, str]:
+    """The global attributes of every file of results: what made it. identity: of the case (`Case.identity`)."""
     import houle
 
     return {
-        "title": case.case.title or case.case.name,
+        "title": str(identity["title"] or identity["name"]),
         "source": f"houle {houle.__version__}",
-        "case": case.case.name,
-        "case_hash": case.hash,
+        "case": str(identity["name"]),
+        "case_hash": str(identity["hash"]),
     }
 
 
-def collect(case: Case, threads: int | None) -> dict[str, Any]:
-    """The manifest at the start of a run: case (name, title, hash, text), houle and its build, machine, packages, time.
+def collect(identity: Mapping[str, str | None], threads: int | None) -> dict[str, Any]:
+    """The manifest at the start of a run: identity of the case, houle and its build, machine, packages, time.
 
     `finished` is False until `summarise`.
     """
@@ -44,13 +43,7 @@ def collect(case: Case, threads: int | None) -> dict[str, Any]:
 
     return {
         "finished": False,
-        "case": {
-            "name": case.case.name,
-            "title": case.case.title,
-            "file": str(case.path) if case.path else None,
-            "hash": case.hash,
-            "text": case.to_toml(),
-        },
+        "case": dict(identity),
         "houle": {"version": houle.__version__, "build": _build()},
         "machine": {"cpu": _cpu(), "cores": os.cpu_count(), "threads": threads, "platform": platform.platform()},
         "python": {"version": platform.python_version(), "packages": _packages()},

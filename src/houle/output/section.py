@@ -62,7 +62,7 @@ class SectionPicture:
         self.solid = self.section.area(self.section.solid, self.layer)
         self.porous = [self._body(entry) for entry in self.section.porous]
         self.windows = at_width(self.section.windows, self.y)
-        self.bands = acting(self.section, self.y)
+        self.bands = acting(case, self.section.depth(), self.y)
         self.still_water = self._still_water()
         self.floor, self.height = 0.0, self._height(levels)
 

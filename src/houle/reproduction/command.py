@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from houle.case.model import Case
 from houle.check import rules
 from houle.reproduction import page
 from houle.reproduction.measured import gather
 from houle.reproduction.plan import choose, folder_of, read
 from houle.reproduction.work import compute
+from houle.results.run import Run
 from houle.results.seconds import duration
 from houle.running.progress import reporter
-from houle.running.runner import once
 
 REPORT = "report.md"
 
@@ -21,15 +22,16 @@ def reproduce(
     paper: str,
     out: Path | str | None = None,
     *,
+    once: Callable[[Case, Path], Run],
     file: Path | str | None = None,
     quick: bool = False,
     spacing: float | None = None,
     only: Sequence[str] = (),
-    threads: int | None = None,
     progress: bool = False,
 ) -> int:
     """Computes what the plan of a paper asks for and is not there yet, then writes the page with its figures.
 
+    once     computes a case in a folder, as `houle.running.runner.once` does
     out      folder of the runs; reproduction-PAPER if not given
     file     the page; out/report.md if not given; its figures go to `figures` beside it
     quick    the runs marked so, on coarser grids: minutes    spacing  of all runs [m], instead of the plan's
@@ -43,7 +45,7 @@ def reproduce(
     for _, case in chosen:
         rules.require(case)
     here = Path(out or f"reproduction-{paper}")
-    done = compute(chosen, here, says, lambda case, place: once(case, place, threads, progress))
+    done = compute(chosen, here, says, once)
     says.say("houle: figures and page")
     found = gather(folder, plan, done.runs)
     written = page.write(Path(file) if file else here / REPORT, folder, found, done, quick)

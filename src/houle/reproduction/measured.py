@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from houle import analysis
+from houle.analysis.coefficients import reflection
+from houle.analysis.result import Reflection
 from houle.data import laboratory
 from houle.data.csv_table import read_columns
 from houle.grid import FloatArray
 from houle.reproduction.plan import Job
-from houle.results import reflection
 from houle.results.run import Run
 
 TABLE = "table1.csv"
@@ -99,11 +99,11 @@ class WaveRun:
         return (self.entry.get("theory") or {}).get("C_R", float("nan"))
 
     @cached_property
-    def formula(self) -> analysis.Reflection:
+    def formula(self) -> Reflection:
         """The paper's formula with the highest and the lowest level at the gauges in the window."""
         case, window = self.run.case, self.entry["window"]
         assert case.waves is not None and case.reflection is not None
-        return analysis.reflection(
+        return reflection(
             self.run, depth=case.waves.depth, period=case.waves.period, method="jh2020",
             gauges=case.reflection.gauges, window=(window["start"], window["end"]), gravity=case.fluid.gravity,
         )  # fmt: skip
@@ -146,13 +146,12 @@ class WaveRun:
 
     def read(self, time: float) -> Reading:
         """The three points at an instant [s]; A and B within a wavelength in front of the block."""
-        surface, waves = self.run.surface, self.run.case.waves
-        assert waves is not None
-        length = reflection.wave_of(self.run.case).length
+        surface, waves, wave = self.run.surface, self.run.case.waves, self.run.case.wave
+        assert waves is not None and wave is not None
         x, eta = surface.x.values, laboratory.level(surface, time, surface.x.values)
         slope = self.run.case.porous[0]
         foot = self.face if slope.polygon is None else _waterline(slope.polygon, waves.depth)
-        front = np.flatnonzero((x > foot - length) & (x < foot))
+        front = np.flatnonzero((x > foot - wave.length) & (x < foot))
         inside = np.flatnonzero(x > foot)
         places = (
             front[np.argmax(eta[front])],
@@ -229,6 +228,14 @@ class Found:
         return rows[0] if rows else None
 
 
+@dataclass
+class Done:
+    """Finished runs by the name of their job, and why others failed."""
+
+    runs: dict[str, Run] = field(default_factory=dict)
+    failed: dict[str, str] = field(default_factory=dict)
+
+
 def gather(folder: Path, jobs: Sequence[Job], runs: Mapping[str, Run]) -> Found:
     """Results of these runs of the plan in this folder."""
     there = [(job, runs[job.name]) for job in jobs if job.name in runs]
@@ -238,9 +245,3 @@ def gather(folder: Path, jobs: Sequence[Job], runs: Mapping[str, Run]) -> Found:
         Pair(n, dams[n, "houle"], dams[n, "jh2020"]) for n in names if {(n, "houle"), (n, "jh2020")} <= dams.keys()
     ]
     return Found(printed(folder), pairs, [WaveRun(job, run) for job, run in there if job.part != "dam-break"])
-
-
-def lorentz(run: Run, period: float, diameter: float, height: float) -> float:
-    """C_R of linear theory for the upright block of a run with another period [s], grains and height [m]."""
-    body = run.case.porous[0].model_copy(update={"grain_diameter": diameter})
-    return reflection.block_theory(run.case, body, 2 * np.pi / period, height, wall=True).C_R

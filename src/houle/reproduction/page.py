@@ -12,10 +12,9 @@ import numpy as np
 
 from houle.output.atomic import write_text
 from houle.reproduction import figures
-from houle.reproduction.measured import INSTANTS, Found, Pair, Printed, WaveRun, lorentz
+from houle.reproduction.measured import INSTANTS, Done, Found, Pair, Printed, WaveRun
 from houle.reproduction.pack import pack
-from houle.reproduction.plan import Done
-from houle.results.reflection import first_harmonic, wave_of
+from houle.results.reflection import block_theory, first_harmonic, wave_of
 from houle.results.run import Run
 from houle.results.seconds import duration
 
@@ -215,7 +214,13 @@ def _curves(found: Found) -> dict[float, list[tuple[float, float]]]:
     if not upright:
         return {}
     height = min(p.height for p in found.table)
-    return {d: [(t, lorentz(upright[0].run, t, d, height)) for t in PERIODS] for d in GRAINS}
+    return {d: [(t, _lorentz(upright[0].run, t, d, height)) for t in PERIODS] for d in GRAINS}
+
+
+def _lorentz(run: Run, period: float, diameter: float, height: float) -> float:
+    """C_R of linear theory for the upright block of a run with another period [s], grains and height [m]."""
+    body = run.case.porous[0].model_copy(update={"grain_diameter": diameter})
+    return block_theory(run.case, body, 2 * np.pi / period, height, wall=True).C_R
 
 
 def _theory(curves: dict[float, list[tuple[float, float]]]) -> str:

@@ -12,7 +12,6 @@ from houle.case.messages import nearest
 from houle.case.model import Case, load
 from houle.case.reading import read_toml
 from houle.errors import CaseError
-from houle.results.run import Run
 
 FOLDER = Path(__file__).parent
 PLAN = "plan.toml"
@@ -72,11 +71,3 @@ def choose(jobs: Sequence[Job], only: Sequence[str], quick: bool) -> list[Job]:
             names = [job.name for job in ready]
             raise CaseError(f"--only {pattern}: no such run.{nearest(pattern, names)} There are: {', '.join(names)}")
     return [job for job in ready if not only or any(fnmatch(job.name, pattern) for pattern in only)]
-
-
-@dataclass
-class Done:
-    """Finished runs by the name of their job, and why others failed."""
-
-    runs: dict[str, Run] = field(default_factory=dict)
-    failed: dict[str, str] = field(default_factory=dict)

@@ -9,7 +9,8 @@ from time import perf_counter
 from houle.case.model import Case
 from houle.check.cost import price
 from houle.errors import SimulationError
-from houle.reproduction.plan import Done, Job
+from houle.reproduction.measured import Done
+from houle.reproduction.plan import Job
 from houle.results.run import Run, open_run
 from houle.results.seconds import duration
 from houle.running.progress import Silent

@@ -10,15 +10,18 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from houle import analysis
+from houle.analysis.coefficients import reflection
+from houle.analysis.errors import AnalysisError
+from houle.analysis.theory import porous_block, porous_block_lorentz
 from houle.case.porous import coefficients
+from houle.case.shapes import shape_of
 from houle.medium.resistance import inertia_coefficient
-from houle.medium.shapes import shape_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from houle.analysis import Reflection, Scatter
+    from houle.analysis.result import Reflection
+    from houle.analysis.theory import Scatter
     from houle.case.model import Case
     from houle.case.tables.tank import Porous
     from houle.results.run import Run
@@ -29,8 +32,8 @@ NEAR = 1e-6  # m, of two places that are the same
 
 
 @dataclass(frozen=True)
-class Flume:
-    """Places along the flume [m]; the waves go from `maker` to `front`.
+class ReflectionFlume:
+    """Places along the flume as [reflection] names them [m]; the waves go from `maker` to `front`.
 
     back   where the wave that entered the structure turns at the latest: the back of the structure, or a wall
     wall   the side of the tank behind the structure      absorbed  a sponge takes the transmitted wave there
@@ -48,7 +51,7 @@ class Flume:
         return 1.0 if self.front > self.maker else -1.0
 
     @classmethod
-    def of(cls, case: Case) -> Flume:
+    def of(cls, case: Case) -> ReflectionFlume:
         assert case.reflection is not None and case.waves is not None
         waves, structure, end = case.waves, case.reflection.structure, case.domain.size[0]
         ends = waves.zone.x if waves.zone is not None else (waves.place,)
@@ -66,16 +69,16 @@ class Flume:
 
 
 def measure(run: Run) -> Reflection:
-    """C_R, C_T, C_D of the run with their intervals and window. Raises analysis.AnalysisError."""
+    """C_R, C_T, C_D of the run with their intervals and window. Raises AnalysisError."""
     case = run.case
     asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
     wave = wave_of(case)
-    given = {"window": asked.window, "towards": Flume.of(case).towards}
+    given = {"window": asked.window, "towards": ReflectionFlume.of(case).towards}
     place = limits(case, wave) if asked.window is None else given
     regular = waves.kind == "regular"
     levels = run.series.eta.sel(gauge=asked.gauges[0])
-    return analysis.reflection(
+    return reflection(
         run,
         depth=waves.depth,
         period=wave.period,
@@ -92,7 +95,7 @@ def measure(run: Run) -> Reflection:
 
 def limits(case: Case, wave: Wave) -> dict[str, Any]:
     """Bounds for `choose_window`, which finds when gauges hold the incident wave and its reflection alone."""
-    asked, waves, flume = case.reflection, case.waves, Flume.of(case)
+    asked, waves, flume = case.reflection, case.waves, ReflectionFlume.of(case)
     assert asked is not None and waves is not None
     reflector = None if flume.quiet or waves.zone is not None else case.domain.size[0] - flume.wall
     reflector = flume.maker if reflector is not None and waves.piston is not None else reflector
@@ -108,7 +111,7 @@ def theory(case: Case, height: float) -> Scatter | None:
     asked = case.reflection
     if asked is None or not asked.theory or no_theory(case) is not None:
         return None
-    flume, body = Flume.of(case), case.porous[0]
+    flume, body = ReflectionFlume.of(case), case.porous[0]
     low, high = shape_of(body, case.dimension).bounds
     wall = abs((high if flume.towards > 0 else low)[0] - flume.wall) < NEAR
     return block_theory(case, body, wave_of(case).omega, height, wall)
@@ -123,8 +126,8 @@ def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bo
     inertia = inertia_coefficient(n, body.added_mass)
     more: dict[str, Any] = {"inertia": inertia, "wall": wall, "gravity": case.fluid.gravity}
     if b == 0.0:
-        return analysis.porous_block(omega, depth, width, n, n * a / omega, **more)
-    return analysis.porous_block_lorentz(omega, depth, width, n, height, a, b, **more)
+        return porous_block(omega, depth, width, n, n * a / omega, **more)
+    return porous_block_lorentz(omega, depth, width, n, height, a, b, **more)
 
 
 def as_made(case: Case, found: Reflection) -> float:
@@ -140,7 +143,7 @@ def as_made(case: Case, found: Reflection) -> float:
     x, time = found.towards * record.x, record.time
     eta = [wave.elevation(place, time) for place in x]
     window = (found.window.start, found.window.end)
-    sea = analysis.reflection(
+    sea = reflection(
         (time, x, eta), depth=found.depth, period=found.period, kind="irregular", method=found.method, window=window,
         towards=found.towards, gravity=case.fluid.gravity,
     )  # fmt: skip
@@ -160,7 +163,7 @@ def no_theory(case: Case) -> str | None:
         return f"{len(case.porous)} porous bodies, it is for one"
     if case.solid:
         return f"solid.{case.solid[0].name} stands in the flume, it is for a porous block alone"
-    body, flume, depth = case.porous[0], Flume.of(case), case.waves.depth
+    body, flume, depth = case.porous[0], ReflectionFlume.of(case), case.waves.depth
     shape = shape_of(body, case.dimension)
     (x0, z0), (x1, z1) = ((float(corner[0]), float(corner[-1])) for corner in shape.bounds)
     area = shape.section((x0, z0, x1, z1)).area if body.below is None else math.nan
@@ -200,7 +203,7 @@ def record(run: Run) -> dict[str, Any]:
         return {}
     try:
         found = measure(run)
-    except analysis.AnalysisError as error:
+    except AnalysisError as error:
         return {"reflection": {"problem": str(error)}}
     draw(found, run.directory / PICTURE)
     names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")

@@ -18,7 +18,7 @@ from houle import analysis
 from houle.case.model import Case, load
 from houle.errors import HouleError
 from houle.output.atomic import write_text
-from houle.results.reflection import Flume, first_harmonic, wave_of
+from houle.results.reflection import ReflectionFlume, first_harmonic, wave_of
 
 if TYPE_CHECKING:
     from houle.case.tables.tank import Solid
@@ -83,7 +83,7 @@ def empty_flume(case: Case) -> Case:
     assert case.waves is not None and case.reflection is not None
     if case.waves.kind != "regular":
         raise analysis.AnalysisError("the card of wave quality is for regular waves")
-    flume, wave = Flume.of(case), wave_of(case)
+    flume, wave = ReflectionFlume.of(case), wave_of(case)
     if flume.towards < 0 or case.dimension == 3:
         raise analysis.AnalysisError("the empty flume is computed for 2D cases with waves towards +x")
     first = min(gauge.x for gauge in case.gauge if gauge.name in case.reflection.gauges)
@@ -111,12 +111,12 @@ def empty_flume(case: Case) -> Case:
 
 
 def _begins(solid: Solid) -> float:
-    from houle.medium.shapes import shape_of
+    from houle.case.shapes import shape_of
 
     return float(shape_of(solid, 2).bounds[0][0])
 
 
-def _start(wave: Wave, flume: Flume, first: float, sponge: float) -> float:
+def _start(wave: Wave, flume: ReflectionFlume, first: float, sponge: float) -> float:
     """Time [s] from which the waves that the sponge sends back, half-way into it, are steady at the first gauge."""
     turn = sponge + 0.5 * SPONGE * wave.length
     return (2 * turn - first - flume.maker) / wave.group_velocity + (2.0 + SETTLE) * wave.period

@@ -22,32 +22,31 @@ from houle.errors import SimulationError
 
 if TYPE_CHECKING:
     from houle.flow.particles import Particles
-    from houle.flow.simulation import Simulation
 
 WORST = 20
 
 
-def as_failure(error: Exception, simulation: Simulation) -> SimulationError:
-    """The error as a SimulationError: itself, or for an unexpected one what is known, with the traceback."""
+def as_failure(error: Exception, step: int, time: float) -> SimulationError:
+    """The error of a step that began at a time [s] as a SimulationError: itself, or for an unexpected one what is
+    known, with the traceback.
+    """
     if isinstance(error, SimulationError):
         return error
     kind = type(error).__name__
     text = "".join(traceback.format_exception(error)).rstrip()
     diagnosis = f"An error that houle did not foresee; please report it with this folder. {kind}: {error}\n\n{text}"
-    return SimulationError(
-        f"unexpected {kind}: {error}", step=simulation.steps + 1, time=simulation.time, diagnosis=diagnosis
-    )
+    return SimulationError(f"unexpected {kind}: {error}", step=step, time=time, diagnosis=diagnosis)
 
 
 def write_bundle(
-    directory: Path, simulation: Simulation, error: SimulationError, checkpoint: Path, versions: dict[str, str]
+    directory: Path, particles: Particles, error: SimulationError, checkpoint: Path, versions: dict[str, str]
 ) -> Path:
     """Writes DIR/failure, in place of an older one, and returns it. `checkpoint` is the last good one."""
     folder, building = directory / "failure", directory / "failure.tmp"
     for old in (building, folder):
         shutil.rmtree(old, ignore_errors=True)
     building.mkdir()
-    worst = worst_particles(simulation.particles)
+    worst = worst_particles(particles)
     record = {"message": str(error), "step": error.step, "time": error.time, "place": error.place, "worst": worst}
     (building / "worst.json").write_text(json.dumps(_plain(record), indent=2) + "\n")
     (building / "versions.json").write_text(json.dumps(_plain(versions), indent=2) + "\n")

@@ -8,20 +8,32 @@ from __future__ import annotations
 import os
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sized
 from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, TextIO
+from typing import Protocol, TextIO
 
 from houle.results.seconds import duration
-
-if TYPE_CHECKING:
-    from houle.flow.simulation import Simulation
 
 BAR_EVERY = 0.25  # s of wall time between two drawings of the bar
 LINE_EVERY = 10.0  # s between two plain lines
 WINDOW = 30.0  # s of wall time over which speeds are averaged
+
+
+class Marching(Protocol):
+    """A simulation as far as its progress is told: time [s], steps, particles, and what it has lost of its water."""
+
+    steps: int
+
+    @property
+    def time(self) -> float: ...
+
+    @property
+    def particles(self) -> Sized: ...
+
+    @property
+    def volume_drift(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -60,7 +72,7 @@ class Meter:
         self.end = end
         self.past: deque[tuple[float, float, int]] = deque()  # wall time, simulated time, steps
 
-    def read(self, simulation: Simulation) -> Numbers:
+    def read(self, simulation: Marching) -> Numbers:
         now, count = perf_counter(), len(simulation.particles)
         self.past.append((now, simulation.time, simulation.steps))
         while len(self.past) > 2 and now - self.past[0][0] > WINDOW:
@@ -81,10 +93,10 @@ class Silent:
     def say(self, text: str) -> None:
         pass
 
-    def start(self, simulation: Simulation, end: float) -> None:
+    def start(self, simulation: Marching, end: float) -> None:
         pass
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: Marching) -> None:
         pass
 
     def stop(self) -> None:
@@ -109,11 +121,11 @@ class Lines(Silent):
             except (OSError, ValueError):
                 self.heard = False
 
-    def start(self, simulation: Simulation, end: float) -> None:
+    def start(self, simulation: Marching, end: float) -> None:
         self.meter, self.simulation = Meter(end), simulation
         self.show(self.meter.read(simulation))
 
-    def step(self, simulation: Simulation) -> None:
+    def step(self, simulation: Marching) -> None:
         if perf_counter() >= self.next:
             self.show(self.meter.read(simulation))
 
@@ -130,7 +142,7 @@ class Bar(Lines):
 
     every = BAR_EVERY
 
-    def start(self, simulation: Simulation, end: float) -> None:
+    def start(self, simulation: Marching, end: float) -> None:
         from rich.console import Console
         from rich.live import Live
 

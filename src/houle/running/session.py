@@ -14,7 +14,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from houle.case.instruments import instruments
+from houle.case.build import instruments
 from houle.check.drag import drag_of
 from houle.data import laboratory
 from houle.flow.ledger import WORKS
@@ -80,10 +80,10 @@ class Session:
     ) -> None:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         stations = [kind.stations for kind in instruments(case)]
-        self.outputs = Outputs(directory, simulation.grid, stations, about(case))
+        self.outputs = Outputs(directory, simulation.grid, stations, about(case.identity))
         intervals = (case.output.every, case.output.series_every)
         self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case.laboratory))
-        self.manifest = {**collect(case, threads), "porous": drag_of(case)}
+        self.manifest = {**collect(case.identity, threads), "porous": drag_of(case)}
         self.newest = Path()  # checkpoint
 
     def begin(self) -> Session:
@@ -153,8 +153,8 @@ class Session:
 
     def fail(self, error: Exception) -> NoReturn:
         """Writes the bundle and raises SimulationError; its message says where the bundle is."""
-        failure = as_failure(error, self.simulation)
-        folder = write_bundle(self.directory, self.simulation, failure, self.newest, self.manifest)
+        failure = as_failure(error, self.simulation.steps + 1, self.simulation.time)
+        folder = write_bundle(self.directory, self.simulation.particles, failure, self.newest, self.manifest)
         self.outputs.close()
         write_manifest(self.directory, self.summarise(finished=False, failure=str(failure)))
         failure.args = (f"{failure}\nWhat is known about it is in {folder}; read diagnosis.txt first",)

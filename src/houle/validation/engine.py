@@ -11,20 +11,18 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.table import Table
 
-from houle.case.model import load
+from houle.case.model import Case, load
 from houle.errors import CaseError, HouleError
+from houle.results.run import Run
 from houle.validation import tables
 from houle.validation.check import Check, Variant
 
-if TYPE_CHECKING:
-    from houle.results.run import Run
-
 FOLDER = Path(__file__).parent
+Once = Callable[[Case, Path], Run]  # makes the run of a case in a folder, goes on with it, or finds it finished
 
 
 @dataclass(frozen=True)
@@ -59,14 +57,16 @@ def comparison(name: str) -> Comparison:
 
 def validate(
     names: Sequence[str] | None = None,
+    *,
+    once: Once,
     quick: bool = False,
-    threads: int | None = None,
     out: Path | str | None = None,
     console: Console | None = None,
     variants: Sequence[str] | None = None,
 ) -> int:
     """Run shipped cases (all, or these), print one table per case, and give the exit status: 1 when a target is missed.
 
+    once      computes a variant in a folder, as `houle.running.runner.once` does
     quick     only the variants marked so (minutes instead of the better part of an hour)
     out       folder that keeps the runs, the tables as CASE.csv and CASE.md, and the pictures of a comparison; what
               lies there finished is not computed again, what was cut goes on. Without it, a temporary one
@@ -85,7 +85,7 @@ def validate(
         folder = Path(out) if out else Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="houle-validate-")))
         for name, compared in chosen.items():
             table, rows = _table(name), list[tuple[str, Check]]()
-            for label, checks, seconds in _results(name, compared, asked[name], folder, threads, console):
+            for label, checks, seconds in _results(name, compared, asked[name], folder, once, console):
                 for row, check in enumerate(checks):
                     table.add_row(f"{label or '-'} ({seconds:.0f} s)" if row == 0 else "", *_cells(check))
                 table.add_section()
@@ -105,7 +105,7 @@ def _choose(variants: Sequence[Variant], quick: bool, patterns: Sequence[str] | 
 
 
 def _results(
-    name: str, compared: Comparison, variants: Sequence[Variant], folder: Path, threads: int | None, console: Console
+    name: str, compared: Comparison, variants: Sequence[Variant], folder: Path, once: Once, console: Console
 ) -> Iterator[tuple[str, list[Check], float]]:
     """Label, checks and wall seconds of every variant, then of what they say together."""
     runs: dict[str, Run] = {}
@@ -113,7 +113,8 @@ def _results(
         start = perf_counter()
         console.print(f"{name} {variant.name} ({number} of {len(variants)})", style="dim", highlight=False)
         try:
-            run = _run(name, variant, folder, threads)
+            case = load(name, overrides=dict(variant.overrides))
+            run = once(case, folder / "-".join(filter(None, (name, variant.name))))
             checks = compared.compare(run)
             runs[variant.name] = run
             if compared.overview:
@@ -123,14 +124,6 @@ def _results(
         yield variant.name, checks, perf_counter() - start
     if compared.across and (checks := compared.across(runs)):
         yield "all variants", checks, 0.0
-
-
-def _run(name: str, variant: Variant, folder: Path, threads: int | None) -> Run:
-    """The run of a variant in its folder: computed, gone on with, or as it was left there by the same case."""
-    from houle.running.runner import once
-
-    case = load(name, overrides=dict(variant.overrides))
-    return once(case, folder / "-".join(filter(None, (name, variant.name))), threads)
 
 
 def _table(name: str) -> Table:
