@@ -242,7 +242,7 @@ def test_resume_goes_on_without_a_file_that_hdf5_does_not_come_through(tmp_path,
     write(outputs, grid, range(3), range(9))
     outputs.close()
     for module in (growing, fields):
-        monkeypatch.setattr(module, "apart", lambda look, path: None)
+        monkeypatch.setattr(module, "in_child", lambda look, path: None)
     lost = made_outputs(tmp_path, case, grid).truncate_after(0.2, 0.2, [0.0, 0.1, 0.2])
     assert len(lost) == 3 and all("HDF5 does not come through it" in text and "are lost" in text for text in lost)
     assert sorted(p.name for p in tmp_path.glob("*.damaged")) == [
