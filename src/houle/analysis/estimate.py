@@ -133,7 +133,7 @@ def _transmitted(task: Task, band: tuple[float, float], taper: float) -> NDArray
 
 @dataclass(frozen=True)
 class Estimate:
-    """Energies (incident, reflected, transmitted), coefficients and half widths (R, T, D), and what the latter cover."""
+    """Energies (incident, reflected, transmitted), coefficients, half widths (R, T, D), and what the latter cover."""
 
     energy: NDArray[Any]
     values: NDArray[Any]

@@ -247,7 +247,7 @@ def porous_block_lorentz(
     modes: int = 15,
     gravity: float = GRAVITY,
 ) -> Scatter:
-    """Solution for a block with the drag a u_d + b |u_d| u_d (a [1/s], b [1/m]) and incident waves of a height [m].
+    """Solution for the drag a u_d + b |u_d| u_d (a [1/s], b [1/m]) and an incident wave of a height [m].
 
     The linear friction f does the work of the drag (Lorentz); it is iterated until f is steady to 1e-7. Raises
     AnalysisError.
@@ -285,7 +285,7 @@ def long_wave(
     wall: bool = False,
     gravity: float = GRAVITY,
 ) -> Scatter:
-    """Solution in shallow water (k h << 1), Madsen (1974): eps = n / sqrt(S + i f), K = omega sqrt((S + i f) / (g h))."""
+    """Solution for k h << 1 (Madsen 1974): eps = n / sqrt(S + i f), K = omega sqrt((S + i f) / (g h))."""
     _check(omega, depth, width, porosity, friction, inertia)
     root = np.sqrt(complex(inertia, friction))
     eps, K = porosity / root, omega / np.sqrt(gravity * depth) * root
