@@ -21,8 +21,8 @@ LINE_EVERY = 10.0  # wall time between two plain lines [s]
 WINDOW = 30.0  # wall time over which speeds are averaged [s]
 
 
-class Marching(Protocol):
-    """A simulation as far as its progress is told: time [s], steps, particles, and what it has lost of its water."""
+class Underway(Protocol):
+    """The part of a simulation that its progress is read from: time [s], steps, particles, drift of the water volume."""
 
     steps: int
 
@@ -72,7 +72,7 @@ class Meter:
         self.end = end
         self.past: deque[tuple[float, float, int]] = deque()  # wall time, simulated time, steps
 
-    def read(self, simulation: Marching) -> Numbers:
+    def read(self, simulation: Underway) -> Numbers:
         now, count = perf_counter(), len(simulation.particles)
         self.past.append((now, simulation.time, simulation.steps))
         while len(self.past) > 2 and now - self.past[0][0] > WINDOW:
@@ -93,10 +93,10 @@ class Silent:
     def say(self, text: str) -> None:
         pass
 
-    def start(self, simulation: Marching, end: float) -> None:
+    def start(self, simulation: Underway, end: float) -> None:
         pass
 
-    def step(self, simulation: Marching) -> None:
+    def step(self, simulation: Underway) -> None:
         pass
 
     def stop(self) -> None:
@@ -121,11 +121,11 @@ class Lines(Silent):
             except (OSError, ValueError):
                 self.heard = False
 
-    def start(self, simulation: Marching, end: float) -> None:
+    def start(self, simulation: Underway, end: float) -> None:
         self.meter, self.simulation = Meter(end), simulation
         self.show(self.meter.read(simulation))
 
-    def step(self, simulation: Marching) -> None:
+    def step(self, simulation: Underway) -> None:
         if perf_counter() >= self.next:
             self.show(self.meter.read(simulation))
 
@@ -142,7 +142,7 @@ class Bar(Lines):
 
     every = BAR_EVERY
 
-    def start(self, simulation: Marching, end: float) -> None:
+    def start(self, simulation: Underway, end: float) -> None:
         from rich.console import Console
         from rich.live import Live
 
