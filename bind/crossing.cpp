@@ -1,4 +1,4 @@
-// Bindings of what crosses from one porosity to another.
+// Bindings of crossing.hpp: particles and faces where water crosses from one porosity to another.
 #include <houle/water/crossing.hpp>
 
 #include "medium.hpp"
@@ -47,7 +47,8 @@ static void bind_crossing(nb::module_& m) {
         hold_faces<D>(g, wet, o, c, most, h);
       },
       "grid"_a, "active"_a, "open"_a, "contrast"_a, "most"_a, "held"_a,
-      "Faces near porous ones where the pressure of the water on both sides holds its flux.");
+      "Marks the faces near porous ones whose flux the pressure on both sides holds: there the Bernoulli force "
+      "acts.");
   define(
       m, "carry",
       [](G g, FaceNumbers number, Given table, ListedField cell_inertia, ListedField uniform, GivenMasks held,
@@ -67,7 +68,8 @@ static void bind_crossing(nb::module_& m) {
       "grid"_a, "number"_a, "table"_a, "cell_inertia"_a, "uniform"_a, "held"_a, "porosity"_a, "coefficient"_a, "dt"_a,
       "position"_a, "volume"_a, "bulk"_a, "inertia"_a, "u"_a, "lag"_a = nb::none(), "ago"_a = nb::none(),
       "interfaces"_a = nb::none(),
-      "The medium where particles have moved to, and the energy they had where nothing holds them.");
+      "Gives particles that have moved the medium where they are, and keeps the energy of those that no pressure "
+      "holds.");
   define(
       m, "fall_behind",
       [](G g, FaceNumbers number, Given table, ListedField cell_inertia, ListedField uniform, GivenMasks held,
@@ -82,7 +84,8 @@ static void bind_crossing(nb::module_& m) {
       },
       "grid"_a, "number"_a, "table"_a, "cell_inertia"_a, "uniform"_a, "held"_a, "lag"_a, "porosity"_a, "velocity"_a,
       "dt"_a, "change"_a, "interfaces"_a = nb::none(),
-      "Change of the velocity on faces as momentum moves with less than the velocity of the water.");
+      "Change of the velocity on faces [m/s] where momentum moves slower than the water: added mass on the rate "
+      "alone.");
   define(
       m, "cell_energy",
       [](G g, GivenMask near, Given x, Given bulk, Array<const float> inertia, Given u, Field out) {
@@ -95,7 +98,7 @@ static void bind_crossing(nb::module_& m) {
         cell_energy<D>(g, at.n, where, at.data, b, J, uu, energy);
       },
       "grid"_a, "near"_a, "position"_a, "bulk"_a, "inertia"_a, "u"_a, "out"_a,
-      "Twice the kinetic energy of the particles of the cells that are near; 0 in the others.");
+      "Twice the kinetic energy of the particles in each cell marked near, per unit density; 0 in the others.");
   define(
       m, "scale_by_cell",
       [](G g, Given share, Given x, Field u) {
@@ -105,7 +108,8 @@ static void bind_crossing(nb::module_& m) {
         nb::gil_scoped_release release;
         scale_by_cell<D>(g, at.n, s, at.data, uu);
       },
-      "grid"_a, "share"_a, "position"_a, "u"_a, "Velocities of particles times the share of their cell.");
+      "grid"_a, "share"_a, "position"_a, "u"_a,
+      "Multiplies the velocity of each particle by the share of its cell, in place.");
   define(
       m, "settle",
       [](G g, FaceNumbers number, Given table, ListedField cell_inertia, ListedField uniform, GivenMasks held,
@@ -119,7 +123,7 @@ static void bind_crossing(nb::module_& m) {
       },
       "grid"_a, "number"_a, "table"_a, "cell_inertia"_a, "uniform"_a, "held"_a, "velocity"_a, "position"_a, "u"_a,
       "affine"_a.none(), "interfaces"_a = nb::none(),
-      "Velocities of particles that nothing holds, with no more energy than the faces around them have.");
+      "Takes from particles that no pressure holds the energy beyond that of the faces around them.");
 }
 
 void bind_crossing(nb::module_& m) {

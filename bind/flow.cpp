@@ -81,7 +81,7 @@ static void bind_surface(nb::module_& m) {
         column_levels<D>(g, h, n, F, inverse, listed.size, listed.data, first.data, piece.data, l);
       },
       "grid"_a, "height"_a, "porosity"_a, "fill"_a, "inverse_capacity"_a, "column"_a, "start"_a, "pieces"_a, "level"_a,
-      "Level to which their water fills the pores of the columns [m].");
+      "Level to which its water fills the pores of each column [m].");
   define(
       m, "find_surface",
       [](G g, Given fill, ListedField open, Given level, Field depth, Mask active, Field column, Field eta,
@@ -103,7 +103,7 @@ static void bind_surface(nb::module_& m) {
         nb::gil_scoped_release release;
         return water_above<D>(g, F, row);
       },
-      "grid"_a, "fill"_a, "row"_a, "Whether there is water in this row of cells or above.");
+      "grid"_a, "fill"_a, "row"_a, "True if there is water in this row of cells, counted upwards, or above.");
   define(
       m, "water_held",
       [](G g, GivenMask active, ListedField open, Given fill, Given inverse_capacity, Given height, LongNumbers column,
@@ -119,7 +119,7 @@ static void bind_surface(nb::module_& m) {
         water_held<D>(g, wet, o, F, inverse, h, listed.size, listed.data, out);
       },
       "grid"_a, "active"_a, "open"_a, "fill"_a, "inverse_capacity"_a, "height"_a, "column"_a, "held"_a,
-      "Water in the listed columns [m^d], cells under the surface being full.");
+      "Water in the listed columns of cells [m^d]; cells under the surface count as full.");
   define(
       m, "density_excess",
       [](G g, GivenMask active, Given depth, Given column, Given eta, Given fill, ListedField open,
@@ -166,7 +166,7 @@ static void bind_forces(nb::module_& m) {
         return drag_work<D>(g, r, mm, mo, b, e);
       },
       "grid"_a, "number"_a, "table"_a, "rate"_a, "mass"_a, "mobility"_a, "before"_a, "after"_a,
-      "Energy the drag took in a step, per unit density.");
+      "Energy that the drag took in a step, per unit density.");
   define(
       m, "eddy_viscosity",
       [](G g, Givens u, double molecular, double constant, Field nu) {
@@ -242,7 +242,9 @@ static void bind_projection(nb::module_& m) {
         project<D>(g, wet, d, o, mo, step, pressure, least, uu, known, still);
       },
       "grid"_a, "active"_a, "depth"_a, "open"_a, "mobility"_a, "step"_a, "pressure"_a, "least"_a, "u"_a, "valid"_a,
-      "still"_a = false, "Takes the pressure gradient off the faces of the water, in place; still: u was 0.");
+      "still"_a = false,
+      "Takes the pressure gradient off the velocity u of the faces of the water, in place; still: u counts as 0 "
+      "before.");
   define(
       m, "extrapolate",
       [](G g, int layers, int near, Givens mass, double keep_mass, Fields u, std::vector<Mask> known) {
@@ -274,7 +276,8 @@ static void bind_projection(nb::module_& m) {
         nb::gil_scoped_release release;
         stop_at_solids<D>(g, at, uu);
       },
-      "grid"_a, "closed"_a, "velocity"_a, "Velocity on closed faces such that none crosses the outline of the solids.");
+      "grid"_a, "closed"_a, "velocity"_a,
+      "Changes the velocity of the closed faces, in place, so that no water crosses the outline of the solids.");
 }
 
 template <int D>
@@ -312,7 +315,8 @@ static void bind_motion(nb::module_& m) {
         return std::vector<double>(farthest.begin(), farthest.end());
       },
       "grid"_a, "dt"_a, "u"_a, "mass"_a, "least"_a, "porosity"_a.none(), "way"_a,
-      "Way of the water on the faces, float32; returns the farthest along each axis where there is water [m].");
+      "Adds dt u to the way of the water on the faces (float32) [m]; returns the farthest along each axis where "
+      "there is water.");
   define(
       m, "drift",
       [](G g, Given from, Given u, OptionalGiven porosity, Outline solids, Given gates, double dt, Field x,
@@ -370,7 +374,7 @@ static void bind_sums(nb::module_& m) {
         nb::gil_scoped_release release;
         return all_finite(v.size, v.data);
       },
-      "x"_a, "Whether no number is infinite or NaN.");
+      "x"_a, "True if no number is infinite or NaN.");
   define(
       m, "max_speed",
       [](Given u, Given volume, Given bulk) {
@@ -390,7 +394,7 @@ static void bind_sums(nb::module_& m) {
         nb::gil_scoped_release release;
         return total(v.size, v.data);
       },
-      "value"_a, "Sum, in blocks: the same for any threads.");
+      "value"_a, "Sum of all numbers, in blocks: the same bits for any number of threads.");
   define(
       m, "weighted_sum",
       [](Given weight, Given value, index column) {
@@ -403,7 +407,8 @@ static void bind_sums(nb::module_& m) {
         nb::gil_scoped_release release;
         return weighted_sum(n, w, v.data + column, stride);
       },
-      "weight"_a, "value"_a, "column"_a, "Sum of weight times one column, in blocks: the same for any threads.");
+      "weight"_a, "value"_a, "column"_a,
+      "Sum of weight times one column of value, in blocks: the same bits for any number of threads.");
 }
 
 template <int D>

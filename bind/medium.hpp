@@ -20,7 +20,7 @@ inline Points<2, const Material> materials_of(const Given& table) {
   return materials;
 }
 
-// Numbers of materials, of the faces. none: there may be no arrays.
+// The row of each face in the table of materials. none: there may be no arrays.
 template <int D>
 inline ConstFaces<D, std::int32_t> numbers_of(const Grid<D>& g, const FaceNumbers& number, index materials, bool none) {
   const auto f = faces(g, number, "number", none);

@@ -115,7 +115,7 @@ NB_MODULE(_core, m) {
   bind_grid<3>(m, "Grid3");
   m.def("set_threads", &set_threads, "threads"_a);
   m.def("get_threads", &get_threads);
-  m.def("return_memory", &return_memory, "Hands freed memory back to the system.");
+  m.def("return_memory", &return_memory, "Hands freed memory back to the operating system.");
   m.def("build_info", &build_info, "Compiler, its flags, threads in use.");
   bind_poisson(m);
   bind_transfer(m);

@@ -1,4 +1,4 @@
-// What the bindings say of particles that have left the tank.
+// Messages of the bindings about particles that have left the tank.
 #pragma once
 
 #include <cstdio>
@@ -14,7 +14,7 @@ namespace houle {
   throw nb::python_error();
 }
 
-// The same where `outside` is the number of a particle, as cell_sort tells; -1: none is outside.
+// Raises FloatingPointError if `outside` is the number of a particle, as cell_sort tells; -1: none is outside.
 template <int D>
 inline void require_inside(index outside, const double* x) {
   if (outside < 0) return;

@@ -26,7 +26,8 @@ static void require_finite(index n, const double* values, const char* name) {
   if (!all_finite(n, values)) raise_blown_up(std::string(name) + " of the particles is no longer a number");
 }
 
-// Where a particle is none it would be handed to nodes at a wall, or be looked for to the end of time.
+// Refuses particles that have no position in the tank, or no numbers: they would be handed to nodes at a wall, or be
+// looked for without end.
 template <int D>
 static void require_water(const Grid<D>& g, const ParticleView<D>& p) {
   const double* x = p.x;
@@ -79,7 +80,8 @@ static void bind(nb::module_& m) {
       "grid"_a, "cell_porosity"_a.none(), "body"_a, "solids"_a.none(), "position"_a, "velocity"_a, "volume"_a,
       "porosity"_a.none(), "first"_a = 0, "last"_a = -1, "interfaces"_a = nb::none(), "along"_a = true,
       "gates"_a = nb::none(),
-      "(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved.");
+      "New particles (position, velocity, volume) on the lattice of half cells; volume, momentum and centre are "
+      "conserved.");
   define(
       m, "remesh_paper",
       [](const Grid<D>& g, Given x, Given u, Given volume, OptionalGiven porosity, double threshold,
@@ -94,7 +96,8 @@ static void bind(nb::module_& m) {
         return as_tuple<D>(std::move(out));
       },
       "grid"_a, "position"_a, "velocity"_a, "volume"_a, "porosity"_a.none(), "threshold"_a, "gates"_a = nb::none(),
-      "(position, velocity, volume): a full particle on every lattice node whose fill exceeds the threshold.");
+      "New particles (position, velocity, volume): a full one on every lattice node whose fill exceeds the "
+      "threshold.");
 }
 
 void bind_remesh(nb::module_& m) {

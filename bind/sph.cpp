@@ -51,7 +51,7 @@ static void bind(nb::module_& m) {
         });
       },
       "grid"_a, "walls"_a, "kernel"_a, "radius"_a, "position"_a, "cell_start"_a, "bulk"_a, "out"_a,
-      "out (N,) = sum_j bulk_j W(x_i - x_j).");
+      "Volume sum at the particles: out (N,) = sum_j bulk_j W(x_i - x_j), 1 in full water.");
   define(
       m, "sph_viscous_acceleration",
       [](const Grid<D>& g, const Names& walls, const std::string& kernel, double radius, Given x, Numbers cell_start,
@@ -66,7 +66,7 @@ static void bind(nb::module_& m) {
         });
       },
       "grid"_a, "walls"_a, "kernel"_a, "radius"_a, "position"_a, "cell_start"_a, "velocity"_a, "bulk"_a, "viscosity"_a,
-      "out"_a, "out (N, d): the viscous term of the paper's eq. (3).");
+      "out"_a, "Viscous acceleration of the particles, eq. (3) of the paper: out (N, d) [m/s2].");
   define(
       m, "sph_velocity_gradient",
       [](const Grid<D>& g, const std::string& kernel, double radius, Given x, Numbers cell_start, Given u, Given bulk,
@@ -80,7 +80,7 @@ static void bind(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "radius"_a, "position"_a, "cell_start"_a, "velocity"_a, "bulk"_a, "out"_a,
-      "out (N, d, d) = du_a/dx_b, exact for linear fields.");
+      "Velocity gradient at the particles, exact for linear fields: out (N, d, d) = du_a/dx_b.");
 }
 
 void bind_sph(nb::module_& m) {

@@ -90,7 +90,8 @@ static void bind_cells(nb::module_& m) {
         require_inside<D>(outside, at.data);
       },
       "grid"_a, "position"_a, "velocity"_a, "volume"_a, "spare"_a, "order"_a, "start"_a,
-      "Particles in the order of their cells, which cell_sort finds; spare (N, d) is work space.");
+      "Puts the particles into the order of their cells, in place: order and start as in cell_sort; spare (N, d) is"
+      " work space.");
   define(
       m, "scatter_cells",
       [](G g, Numbers start, Given x, Given amount, Field out, OptionalGiven paddles, OptionalGiven factor,
@@ -116,7 +117,7 @@ static void bind_cells(nb::module_& m) {
         nb::gil_scoped_release release;
         gather_cells<D>(g, at.n, at.data, f, values);
       },
-      "grid"_a, "position"_a, "field"_a, "out"_a, "A cell field at the particles, linear.");
+      "grid"_a, "position"_a, "field"_a, "out"_a, "Interpolates a cell field to the particles, linearly: out (N,).");
 }
 
 template <int D>
@@ -152,7 +153,8 @@ static void bind_faces(nb::module_& m) {
         });
       },
       "grid"_a, "kernel"_a, "position"_a, "side"_a.none(), "mass"_a, "start"_a, "u"_a, "face_mass"_a, "velocity"_a,
-      "work"_a, "interfaces"_a = nb::none(), "One more term of the full-mass-matrix transfer FMPM(k).");
+      "work"_a, "interfaces"_a = nb::none(),
+      "Adds one more term of the full-mass-matrix transfer FMPM(k) to the velocity of the faces.");
   define(
       m, "to_particles",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens now, Givens change,

@@ -133,7 +133,7 @@ def set_threads(threads: int) -> None: ...
 def get_threads() -> int: ...
 
 def return_memory() -> None:
-    """Hands freed memory back to the system."""
+    """Hands freed memory back to the operating system."""
 
 def build_info() -> dict:
     """Compiler, its flags, threads in use."""
@@ -156,7 +156,7 @@ def sort_particles(
     order: numpy.typing.NDArray[numpy.int32],
     start: numpy.typing.NDArray[numpy.int32],
 ) -> None:
-    """Particles in the order of their cells, which cell_sort finds; spare (N, d) is work space."""
+    """Puts the particles into the order of their cells, in place: order and start as in cell_sort; spare (N, d) is work space."""
 
 def scatter_cells(
     grid: Grid2 | Grid3,
@@ -176,7 +176,7 @@ def gather_cells(
     field: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """A cell field at the particles, linear."""
+    """Interpolates a cell field to the particles, linearly: out (N,)."""
 
 def to_faces(
     grid: Grid2 | Grid3,
@@ -206,7 +206,7 @@ def add_residual(
     work: Sequence[numpy.typing.NDArray[numpy.float64]],
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
 ) -> None:
-    """One more term of the full-mass-matrix transfer FMPM(k)."""
+    """Adds one more term of the full-mass-matrix transfer FMPM(k) to the velocity of the faces."""
 
 def to_particles(
     grid: Grid2 | Grid3,
@@ -245,7 +245,7 @@ def kinetic_energy(
     """Kinetic energy of the particles per unit density."""
 
 def all_finite(x: numpy.typing.NDArray[numpy.float64]) -> bool:
-    """Whether no number is infinite or NaN."""
+    """True if no number is infinite or NaN."""
 
 def max_speed(
     u: numpy.typing.NDArray[numpy.float64],
@@ -255,14 +255,14 @@ def max_speed(
     """Largest pore speed along each axis [m/s]."""
 
 def total(value: numpy.typing.NDArray[numpy.float64]) -> float:
-    """Sum, in blocks: the same for any threads."""
+    """Sum of all numbers, in blocks: the same bits for any number of threads."""
 
 def weighted_sum(
     weight: numpy.typing.NDArray[numpy.float64],
     value: numpy.typing.NDArray[numpy.float64],
     column: int,
 ) -> float:
-    """Sum of weight times one column, in blocks: the same for any threads."""
+    """Sum of weight times one column of value, in blocks: the same bits for any number of threads."""
 
 def column_heights(
     grid: Grid2 | Grid3,
@@ -286,7 +286,7 @@ def column_levels(
     pieces: numpy.typing.NDArray[numpy.float64],
     level: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """Level to which their water fills the pores of the columns [m]."""
+    """Level to which its water fills the pores of each column [m]."""
 
 def find_surface(
     grid: Grid2 | Grid3,
@@ -302,7 +302,7 @@ def find_surface(
     """Depth of the cell centres below the free surface [cells], active cells, level of the surface per column [m]."""
 
 def water_above(grid: Grid2 | Grid3, fill: numpy.typing.NDArray[numpy.float64], row: int) -> bool:
-    """Whether there is water in this row of cells or above."""
+    """True if there is water in this row of cells, counted upwards, or above."""
 
 def water_held(
     grid: Grid2 | Grid3,
@@ -314,7 +314,7 @@ def water_held(
     column: numpy.typing.NDArray[numpy.int64],
     held: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """Water in the listed columns [m^d], cells under the surface being full."""
+    """Water in the listed columns of cells [m^d]; cells under the surface count as full."""
 
 def density_excess(
     grid: Grid2 | Grid3,
@@ -357,7 +357,7 @@ def drag_work(
     before: Sequence[numpy.typing.NDArray[numpy.float64]],
     after: Sequence[numpy.typing.NDArray[numpy.float64]],
 ) -> float:
-    """Energy the drag took in a step, per unit density."""
+    """Energy that the drag took in a step, per unit density."""
 
 def eddy_viscosity(
     grid: Grid2 | Grid3,
@@ -426,7 +426,7 @@ def project(
     valid: Sequence[numpy.typing.NDArray[numpy.uint8]],
     still: bool = False,
 ) -> None:
-    """Takes the pressure gradient off the faces of the water, in place; still: u was 0."""
+    """Takes the pressure gradient off the velocity u of the faces of the water, in place; still: u counts as 0 before."""
 
 def extrapolate(
     grid: Grid2 | Grid3,
@@ -453,7 +453,7 @@ def stop_at_solids(
     closed: Sequence[tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]],
     velocity: Sequence[numpy.typing.NDArray[numpy.float64]],
 ) -> None:
-    """Velocity on closed faces such that none crosses the outline of the solids."""
+    """Changes the velocity of the closed faces, in place, so that no water crosses the outline of the solids."""
 
 def move(
     grid: Grid2 | Grid3,
@@ -480,7 +480,7 @@ def travel(
     porosity: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]] | None,
     way: Sequence[numpy.typing.NDArray[numpy.float32]],
 ) -> list[float]:
-    """Way of the water on the faces, float32; returns the farthest along each axis where there is water [m]."""
+    """Adds dt u to the way of the water on the faces (float32) [m]; returns the farthest along each axis where there is water."""
 
 def drift(
     grid: Grid2 | Grid3,
@@ -537,7 +537,7 @@ def hold_faces(
     most: float,
     held: Sequence[numpy.typing.NDArray[numpy.uint8]],
 ) -> None:
-    """Faces near porous ones where the pressure of the water on both sides holds its flux."""
+    """Marks the faces near porous ones whose flux the pressure on both sides holds: there the Bernoulli force acts."""
 
 def carry(
     grid: Grid2 | Grid3,
@@ -558,7 +558,7 @@ def carry(
     ago: numpy.typing.NDArray[numpy.float64] | None = None,
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
 ) -> None:
-    """The medium where particles have moved to, and the energy they had where nothing holds them."""
+    """Gives particles that have moved the medium where they are, and keeps the energy of those that no pressure holds."""
 
 def fall_behind(
     grid: Grid2 | Grid3,
@@ -574,7 +574,7 @@ def fall_behind(
     change: Sequence[numpy.typing.NDArray[numpy.float64]],
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
 ) -> None:
-    """Change of the velocity on faces as momentum moves with less than the velocity of the water."""
+    """Change of the velocity on faces [m/s] where momentum moves slower than the water: added mass on the rate alone."""
 
 def cell_energy(
     grid: Grid2 | Grid3,
@@ -585,7 +585,7 @@ def cell_energy(
     u: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """Twice the kinetic energy of the particles of the cells that are near; 0 in the others."""
+    """Twice the kinetic energy of the particles in each cell marked near, per unit density; 0 in the others."""
 
 def scale_by_cell(
     grid: Grid2 | Grid3,
@@ -593,7 +593,7 @@ def scale_by_cell(
     position: numpy.typing.NDArray[numpy.float64],
     u: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """Velocities of particles times the share of their cell."""
+    """Multiplies the velocity of each particle by the share of its cell, in place."""
 
 def settle(
     grid: Grid2 | Grid3,
@@ -608,7 +608,7 @@ def settle(
     affine: numpy.typing.NDArray[numpy.float64] | None,
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
 ) -> None:
-    """Velocities of particles that nothing holds, with no more energy than the faces around them have."""
+    """Takes from particles that no pressure holds the energy beyond that of the faces around them."""
 
 def remesh_conservative(
     grid: Grid2 | Grid3,
@@ -625,7 +625,7 @@ def remesh_conservative(
     along: bool = True,
     gates: numpy.typing.NDArray[numpy.float64] | None = None,
 ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
-    """(position, velocity, volume) on the half-cell lattice; volume, momentum and centre conserved."""
+    """New particles (position, velocity, volume) on the lattice of half cells; volume, momentum and centre are conserved."""
 
 def remesh_paper(
     grid: Grid2 | Grid3,
@@ -636,7 +636,7 @@ def remesh_paper(
     threshold: float,
     gates: numpy.typing.NDArray[numpy.float64] | None = None,
 ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
-    """(position, velocity, volume): a full particle on every lattice node whose fill exceeds the threshold."""
+    """New particles (position, velocity, volume): a full one on every lattice node whose fill exceeds the threshold."""
 
 def sph_density_sum(
     grid: Grid2 | Grid3,
@@ -648,7 +648,7 @@ def sph_density_sum(
     bulk: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """out (N,) = sum_j bulk_j W(x_i - x_j)."""
+    """Volume sum at the particles: out (N,) = sum_j bulk_j W(x_i - x_j), 1 in full water."""
 
 def sph_viscous_acceleration(
     grid: Grid2 | Grid3,
@@ -662,7 +662,7 @@ def sph_viscous_acceleration(
     viscosity: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """out (N, d): the viscous term of the paper's eq. (3)."""
+    """Viscous acceleration of the particles, eq. (3) of the paper: out (N, d) [m/s2]."""
 
 def sph_velocity_gradient(
     grid: Grid2 | Grid3,
@@ -674,4 +674,4 @@ def sph_velocity_gradient(
     bulk: numpy.typing.NDArray[numpy.float64],
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None:
-    """out (N, d, d) = du_a/dx_b, exact for linear fields."""
+    """Velocity gradient at the particles, exact for linear fields: out (N, d, d) = du_a/dx_b."""

@@ -31,7 +31,7 @@ from houle.output import (
     summarise,
     write_manifest,
 )
-from houle.output.apart import apart
+from houle.output.child import in_child
 
 
 @pytest.mark.parametrize("packed", [False, True])
@@ -229,10 +229,10 @@ def test_a_file_that_hdf5_does_not_come_through_is_damaged(tmp_path):
 
     file = tmp_path / "series.nc"
     file.write_bytes(b"")
-    assert apart(lambda: "grüße", file) == "grüße"
+    assert in_child(lambda: "grüße", file) == "grüße"
     for look in (for_ever, lambda: os.kill(os.getpid(), signal.SIGSEGV), lambda: 1 / 0):
         begin = time.process_time()
-        assert apart(look, file) is None
+        assert in_child(look, file) is None
         assert time.process_time() - begin < 1.0  # of this process
 
 
@@ -242,7 +242,7 @@ def test_resume_goes_on_without_a_file_that_hdf5_does_not_come_through(tmp_path,
     write(outputs, grid, range(3), range(9))
     outputs.close()
     for module in (growing, fields):
-        monkeypatch.setattr(module, "apart", lambda look, path: None)
+        monkeypatch.setattr(module, "in_child", lambda look, path: None)
     lost = made_outputs(tmp_path, case, grid).truncate_after(0.2, 0.2, [0.0, 0.1, 0.2])
     assert len(lost) == 3 and all("HDF5 does not come through it" in text and "are lost" in text for text in lost)
     assert sorted(p.name for p in tmp_path.glob("*.damaged")) == [

@@ -149,7 +149,7 @@ def test_a_commit_writes_its_own_rows_and_no_other_however_many_there_are(tmp_pa
 
 
 def test_rows_go_to_the_file_before_they_fill_the_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(growing, "ROOM", 10_000.0)
+    monkeypatch.setattr(growing, "BUFFER", 10_000.0)
     outputs = made_outputs(tmp_path, made_case(), made_grid())
     for row in range(500):
         outputs.append_series(0.025 * row, made_sample(2, row))

@@ -5,7 +5,7 @@ import pytest
 from places import DEPTH, GRAVITY, surface_errors
 from scipy.special import ellipj, ellipk
 
-from houle.waves.cnoidal import cnoidal, current, elliptic, parameter, scale, solitary, surface
+from houle.waves.cnoidal import cnoidal, elliptic, parameter, scale, solitary, surface, velocity_terms
 from houle.waves.fenton import fenton
 from houle.waves.wave import WaveError
 
@@ -36,7 +36,7 @@ def test_series_have_their_properties(m):
     """
     assert sum(surface(0.2, m)) == pytest.approx(0.2, rel=1e-13)
     delta = 1e-4
-    p = current(delta, m) / delta
+    p = velocity_terms(delta, m) / delta
     p[0, 0] += 1 / delta
     alpha2 = 0.75 * delta
     # (cn^2)'' = 2 (1-m) + (8m - 4) cn^2 - 6 m cn^4, times the bed velocity's slope m delta, over -2

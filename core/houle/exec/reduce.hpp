@@ -36,7 +36,7 @@ inline Result parallel_reduce(index n, Result start, Body body, Combine combine)
   return r;
 }
 
-// Returns body(i) for few and heavy i = 0..n-1, to be reduced in their order by the one who called.
+// Returns body(i) for few and heavy i = 0..n-1. The caller reduces them, in their order.
 template <class Body>
 inline std::vector<double> parallel_values(index n, Body body, index grain = 16) {
   std::vector<double> value(static_cast<std::size_t>(n));

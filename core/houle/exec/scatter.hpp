@@ -5,7 +5,8 @@
 
 namespace houle {
 
-// Calls body(i) for few and heavy i = 0..n-1 (slabs), one colour after the other.
+// Calls body(i) for few and heavy i = 0..n-1 (slabs), one colour after the other. colour(i), in 0 .. colours - 1, must
+// differ for two i that write to the same place.
 template <class Colour, class Body>
 inline void parallel_for_coloured(index n, int colours, Colour colour, const Body& body) {
   for (int now = 0; now < colours; ++now)

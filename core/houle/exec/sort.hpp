@@ -10,14 +10,14 @@
 
 namespace houle {
 
-// Stable counting sort of i = 0..n-1 by key[i] in 0..keys-1: order (n,) the i for each place, start (keys + 1,) the
-// place of the first of each key. Each share of the keys counts and places what lies in it; the shares are equal if the
-// keys are nearly sorted already.
+// Stable counting sort of i = 0..n-1 by key[i] in 0..keys-1. On return order (n,) has the i in the sorted order, start
+// (keys + 1,) the place of the first of each key. The keys are cut into ranges (shares), and each share counts and
+// places the entries whose key lies in it. The shares have equal work if the keys are nearly sorted already.
 inline void counting_sort(index n, index keys, const std::int32_t* key, std::int32_t* order, std::int32_t* start) {
-  constexpr index most = 16, enough = 4096;  // shares; entries in one
+  constexpr index most = 16, enough = 4096;  // shares at most; entries at least in each
   const index shares = std::clamp<index>(std::min<index>(get_threads(), n / enough), 1, most);
-  std::array<index, most + 1> bound{};       // of the keys of each share
-  std::vector<std::int32_t> held(most + 1);  // entries in the shares before it; loops write to it
+  std::array<index, most + 1> bound{};         // first key of each share, then the end
+  std::vector<std::int32_t> before(most + 1);  // [s]: entries in the shares before s; a vector, as loops write to it
   for (index s = 1; s < shares; ++s) bound[s] = std::max<index>(bound[s - 1], key[n * s / shares]);
   bound[shares] = keys;
   constexpr index block = 512;
@@ -33,7 +33,7 @@ inline void counting_sort(index n, index keys, const std::int32_t* key, std::int
         },
         8);
   const auto meets = [=](index b, index first, index end) { return range[b].second >= first && range[b].first < end; };
-  std::int32_t* in_share = held.data() + 1;
+  std::int32_t* in_share = before.data() + 1;
   parallel_for(
       shares,
       [=](index s) {
@@ -46,7 +46,7 @@ inline void counting_sort(index n, index keys, const std::int32_t* key, std::int
         in_share[s] = count;
       },
       1);
-  for (index s = 0; s < shares; ++s) held[s + 1] += held[s];
+  for (index s = 0; s < shares; ++s) before[s + 1] += before[s];
   parallel_for(
       shares,
       [=](index s) {

@@ -80,11 +80,11 @@ void set_threads(int threads) { Threads::all().resize(threads); }
 int get_threads() { return Threads::all().size(); }
 
 void share(index n, index part, Loop loop) {
-  const auto held = Threads::all().arena();
+  const auto arena = Threads::all().arena();
   alignas(8) char begun;  // before the first iteration
   alignas(8) char done;   // after the last
   __tsan_release(&begun);
-  held->execute([&] {
+  arena->execute([&] {
     tbb::parallel_for(tbb::blocked_range<index>(0, n, part), [&](const tbb::blocked_range<index>& range) {
       __tsan_acquire(&begun);
       loop.run(loop.body, range.begin(), range.end());

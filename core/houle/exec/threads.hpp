@@ -5,7 +5,7 @@
 
 namespace houle {
 
-// What cells, faces and particles are counted and numbered with.
+// The signed integer with which cells, faces and particles are counted and numbered.
 using index = std::ptrdiff_t;
 
 // A loop whose iterations can run in any order and at the same time: run(body, begin, end) does those from begin to
@@ -21,8 +21,8 @@ struct Loop {
 // oneTBB, and in the child of a fork, which has none of its parent's threads, that stays 1.
 void set_threads(int threads);
 
-// Returns how many threads loops are shared among: until it is set, as OMP_NUM_THREADS says, else as many as the
-// machine has.
+// Returns how many threads loops are shared among. Until set_threads() is called it is the number in OMP_NUM_THREADS,
+// else that of the machine's cores.
 int get_threads();
 
 // Runs iterations 0 .. n - 1 and returns when all are done. They are taken in parts of `part` iterations or fewer than

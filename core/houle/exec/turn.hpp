@@ -7,16 +7,18 @@
 
 namespace houle {
 
-// Operations 0 .. count - 1 on every slice: op(k, from, to), on the slices from .. to - 1, reads what operation k - 1
-// has left in them and in those beside them; that k has been there as well must not matter. bound(s, shares): where the
-// share s of the slices begins. work: of all operations together, in iterations of a small loop.
+// Runs operations 0 .. count - 1, one after the other, on all slices (planes of cells across the first axis). op(k,
+// from, to) does operation k on the slices from .. to - 1. It reads what operation k - 1 has left in them and in those
+// beside them, and must find the same there if operation k has been there as well. bound(s, shares): first slice of
+// share s of the work. work: of all operations together, in iterations of a small loop.
 //
-// A block of slices goes through all operations, one block per thread, without waiting for the others. With every
-// operation it leaves out one slice more towards its neighbours: the wedge between two blocks is done when both are.
-// Slices too few for that are gone through operation by operation.
+// A block of slices goes through all operations, one block per thread, without waiting for the others. With each
+// operation it does one slice fewer at either end, where the neighbouring block may not be so far. The slices left out
+// form a wedge between the two blocks, which is done when both are. If there are too few slices for that, all of them
+// go through one operation before the next.
 template <class Bound, class Op>
 inline void parallel_in_turn(index slices, int count, index work, Bound bound, const Op& op) {
-  constexpr index enough = 2048, most = 64;  // work in a block; blocks
+  constexpr index enough = 2048, most = 64;  // least work in a block; most blocks
   const index narrowest = 2 * count, wanted = std::min<index>({get_threads(), most, work / enough});
   const index blocks = std::max<index>(1, std::min(wanted, slices / (2 * narrowest)));
   if (blocks < wanted && work > 64 * count * enough) {

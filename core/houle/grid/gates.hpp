@@ -20,36 +20,36 @@ struct Gates {
   int count = 0;
 };
 
-// The cells or nodes along the first axis from low to high - 1, between two walls; those behind a wall have a mirror
+// The cells or nodes low .. high - 1 along the first axis, between two gates. One that lies behind a gate has a mirror
 // image in front of it.
-struct Room {
+struct Compartment {
   index low = std::numeric_limits<index>::min() / 4, high = std::numeric_limits<index>::max() / 4;
 
   index image(index i) const { return i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i); }
 };
 
-// The room between the gates beside x [m], of those that reach down to row `top` of cells of size h, `count` along the
-// first axis.
+// The compartment of a point at x [m] along the first axis: its cells between the gates on both sides. Only gates that
+// reach down to row `top` part the water there. h: size of a cell [m]; count: cells of the tank along the first axis.
 template <int D>
-inline Room room_beside(const Gates& gates, const std::array<double, D>& h, index count, bool periodic, double x,
-                        index top) {
-  Room room;
+inline Compartment compartment_beside(const Gates& gates, const std::array<double, D>& h, index count, bool periodic,
+                                      double x, index top) {
+  Compartment between;
   for (int k = 0; k < gates.count; ++k) {
     const Gate& gate = gates.gate[k];
     if (top < floor_index(gate.bottom / h[D - 1] + 0.5)) continue;
     const index at = floor_index(gate.x / h[0] + 0.5);  // the first behind it
     const bool front = x < gate.x;
-    if (!front || periodic) room.low = std::max(room.low, front ? at - count : at);
-    if (front || periodic) room.high = std::min(room.high, front ? at : at + count);
+    if (!front || periodic) between.low = std::max(between.low, front ? at - count : at);
+    if (front || periodic) between.high = std::min(between.high, front ? at : at + count);
   }
-  return room;
+  return between;
 }
 
 // Stops a particle that went from `from` to x at gates that it would cross above their lower edges. Returns whether it
 // would.
 template <int D>
 inline bool stop_at_gates(const Grid<D>& g, const Gates& gates, const double* from, double* x) {
-  const double height = std::max(x[D - 1], 1e-9 * g.h[D - 1]);  // where the floor will stop it: not under a shut gate
+  const double height = std::max(x[D - 1], 1e-9 * g.h[D - 1]);  // the floor stops it: it passes under no shut gate
   bool stopped = false;
   for (int k = 0; k < gates.count; ++k) {
     const Gate& gate = gates.gate[k];

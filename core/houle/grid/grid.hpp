@@ -78,15 +78,14 @@ inline std::array<index, D> rows_of(std::array<index, D> shape) {
   return shape;
 }
 
-// Number i of n brought back from outside: around a periodic axis, however short, or onto the end.
+// Index i of an axis with n entries, brought inside: around a periodic axis, however short, else onto the nearer end.
 inline index inside(index i, index n, bool periodic) {
   if (i < 0) return periodic ? n - 1 - (-1 - i) % n : 0;
   if (i >= n) return periodic ? i % n : n - 1;
   return i;
 }
 
-// floor(s) as an index. What lies far beyond any grid, or nowhere (NaN), becomes an index outside: never one that
-// wraps.
+// floor(s) as an index. A position far beyond any grid, or NaN, becomes an index outside the grid: none wraps around.
 inline index floor_index(double s) {
   constexpr double far = 1e9;  // cells; an axis has fewer than 2^31
   s = s > -far ? s : -far;     // NaN goes here
@@ -127,7 +126,8 @@ struct ConstFaces {
   const Real* operator[](int a) const { return data[a]; }
 };
 
-// A property of the cells with few different values: each cell has the number of its own. Null: there is none.
+// A property of the cells that takes few different values: `value` is a table of them, `number` has for each cell its
+// row of the table. Null: there is no such property.
 struct Listed {
   const std::int32_t* number = nullptr;
   const double* value = nullptr;
@@ -136,11 +136,11 @@ struct Listed {
   explicit operator bool() const { return number != nullptr; }
 };
 
-// A vertical wall across the first axis, wherever it stands between the faces: water on its far side (side > 0) or on
-// its near one. Not nearer than `mirrored` cells to the sides of the tank.
+// A vertical wall across the first axis that may stand anywhere between the faces, such as a piston. It stands
+// `mirrored` cells (water/transfer.hpp) or more from the sides of the tank.
 struct Paddle {
-  double x;
-  double side;
+  double x;     // [m]
+  double side;  // > 0: the water is on its far side, at larger x; else on its near side
 };
 
 // All paddles of a tank; none: count 0.

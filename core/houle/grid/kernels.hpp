@@ -4,7 +4,7 @@
 // first(s) .. first(s) + width - 1. weights() writes their weights w; the Taylor Gaussian also writes the second-moment
 // terms q, its weight in d dimensions being prod_a w_a (1 + sum_a q_a), paper eqs (8)-(11). `side` is the particle's
 // edge length in units of the spacing of that axis, dx_p / (h n^(1/d)): only the Gaussians use it. least_own: share of
-// the weights of an axis that must be on a particle's side of an interface; with less there is nothing to choose from.
+// its weights that a particle must have on its own side of an interface; with less it sees all nodes (interfaces.hpp).
 #pragma once
 
 #include <algorithm>
@@ -50,7 +50,7 @@ struct M4PrimeKernel {
   static constexpr int width = 4;
   static constexpr bool taylor = false;
   static constexpr bool normalised = true;
-  static constexpr double least_own = 0.5;  // their sum may be small where they are not
+  static constexpr double least_own = 0.5;  // weights of both signs: the sum of some of them may be near 0
   static double value(double r) {
     const double s = std::abs(r);
     if (s < 1.0) return 1.0 - s * s * (2.5 - 1.5 * s);
@@ -89,7 +89,7 @@ struct GaussianKernel : GaussianBase {
 // does not.
 struct GaussianTaylorKernel : GaussianBase {
   static constexpr bool taylor = true;
-  static constexpr double widest = 1.0 / 3.0;  // of the moment: 1 + sum_a q_a >= 0 on three axes
+  static constexpr double widest = 1.0 / 3.0;  // moment up to which 1 + sum_a q_a >= 0 on three axes
   static void weights(double s, index i0, double side, double* w, double* q) {
     const double moment = std::min(side * side / 24.0 / (sigma * sigma), widest);  // (1/2) M20 / M00, times W_xx / W
     for (int k = 0; k < width; ++k) {
@@ -112,14 +112,14 @@ struct GaussianCellKernel : GaussianBase {
   }
 };
 
-// A node index brought back into the grid. On a wall axis a node behind the wall is the mirror image of one in front
-// of it (sign -1 for the velocity component normal to the wall); on a periodic axis it wraps.
+// A node index brought back into the grid. On an axis with walls, a node behind the wall is the mirror image of one in
+// front; the velocity component normal to the wall then has the sign -1. On a periodic axis the index wraps.
 struct Folded {
   index node;
   double sign;
 };
 
-// Brings node i of an axis of so many cells inside.
+// Brings node i of an axis with `cells` cells into the grid.
 inline Folded fold(index i, index cells, bool on_faces, bool periodic) {
   if (periodic) {
     i %= cells;
@@ -161,8 +161,8 @@ struct Reach {
   index node[K::width];
   double weight[K::width];
   double moment[K::width];  // q of the Taylor Gaussian
-  double sign[K::width];    // of the normal component on its own axis
-  double first;  // from the particle to its first node, in cells: where that stands, not where it is folded to
+  double sign[K::width];    // factor of the velocity along this axis: -1 at mirror images
+  double first;             // way from the particle to its first node, before that is folded [cells]
 
   // s: index coordinate, node i at i; side: particle edge in cells
   void set(double s, double side, bool on_faces, index cells, bool periodic) {
@@ -181,17 +181,18 @@ struct Reach {
       if constexpr (K::width > 2) sign[k] = f.sign;  // the linear kernel never reaches behind the wall face
     }
   }
-  // The same between gates, at cell centres: what stands behind a gate is replaced by its mirror image in front of it.
-  void keep(const Room& room, double s, index cells, bool periodic) {
-    for (int k = 0; k < K::width; ++k) node[k] = fold(room.image(K::first(s) + k), cells, false, periodic).node;
+  // Sets the nodes, at cell centres, of a particle between gates: the mirror image in front of a gate for each cell
+  // behind it.
+  void keep(const Compartment& between, double s, index cells, bool periodic) {
+    for (int k = 0; k < K::width; ++k) node[k] = fold(between.image(K::first(s) + k), cells, false, periodic).node;
   }
 };
 
-// The cells that a particle at x has to itself, between the gates that stand where its tent reaches.
+// The compartment of a particle at x among the gates that stand where its tent reaches.
 template <int D>
-inline Room room_of_cells(const Grid<D>& g, const Gates& gates, const double* x) {
+inline Compartment compartment_of_cells(const Grid<D>& g, const Gates& gates, const double* x) {
   const index top = floor_index(x[D - 1] / g.h[D - 1] - 0.5) + 1;
-  return room_beside<D>(gates, g.h, g.shape[0], g.periodic[0], x[0], top);
+  return compartment_beside<D>(gates, g.h, g.shape[0], g.periodic[0], x[0], top);
 }
 
 // The nodes around a particle: those of the field on the faces of axis `component`, or (component -1) at cell centres.
@@ -219,7 +220,7 @@ struct Stencil {
       return centre[axis];
   }
 
-  // visit(flat node, weight >= 0 or of the kernel's own sign, sign of the mirrored normal component[, offsets k[D]])
+  // visit(flat node, weight (M4' has negative ones too), sign of the mirrored normal component[, offsets k[D]])
   template <int component, class Visit>
   [[gnu::always_inline]] void each(const std::array<index, D>& stride, Visit visit) const {
     const auto &r0 = along<component, 0>(), &r1 = along<component, 1>();
@@ -264,7 +265,8 @@ struct Stencil {
     return r;
   }
 
-  // The field of that component at the particle; a kernel that is not normalised is divided by the sum of its weights.
+  // Value of a field at the particle, given at the same nodes. A kernel that is not normalised is divided by the sum of
+  // its weights.
   template <int component, class Field>
   [[gnu::always_inline]] double gather(const std::array<index, D>& stride, const Field& field) const {
     double value = 0.0, sum = 0.0;
@@ -284,10 +286,10 @@ struct Stencil {
   }
 };
 
-// Where a point is.
+// The cell of a point, and whether the point is anywhere near the tank.
 struct Place {
-  index cell;   // the nearest, for a point outside the tank
-  bool inside;  // the tank, or no farther from it than it is long: outside is where a flow that blew up goes
+  index cell;   // the nearest one, for a point outside the tank
+  bool inside;  // no farther from the tank than it is long; false after a flow blew up, and for NaN
 };
 
 // The cell that holds the point x (D,) [m].

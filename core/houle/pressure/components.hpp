@@ -1,5 +1,6 @@
-// Closed components of the pressure system: water that nowhere touches air (no e). There p is known up to a constant
-// only, and there is a solution only if the right-hand side sums to zero: the means of both are taken out.
+// Closed components of the pressure system: bodies of water that nowhere touch air (no e). In such a body p is known up
+// to a constant only, and there is a solution only if the right-hand side sums to zero: the means of both are taken
+// out.
 //
 // Components are found as runs of linked cells along pencils, joined across pencils by union-find.
 #pragma once
@@ -100,7 +101,7 @@ class ClosedComponents {
   std::vector<Sum> sums_;
   int closed_ = 0;
 
-  // Whether some run touches no air by itself: if none does, no component is closed.
+  // True if some run touches no air by itself: if none does, no component is closed.
   bool any_sealed(const Pencils<D>& l, const Mask<D>& active, ConstFaces<D> k, const double* e) {
     const index n = l.n[D - 1];
     std::uint8_t* sealed = sealed_.data();
@@ -111,7 +112,7 @@ class ClosedComponents {
           if (l.first[p] >= l.last[p]) return;
           const std::uint8_t* mask = active.pencil(l.place(p));
           const double *up = k[D - 1] + p * (n + 1), *air = e + p * n;
-          bool open = true;  // of the run so far
+          bool open = true;  // the run touches air, as far as it is known
           for (index j = l.first[p]; j < l.last[p]; ++j) {
             if (!mask[j]) continue;
             const bool linked = j > l.first[p] && mask[j - 1] && up[j] > 0;

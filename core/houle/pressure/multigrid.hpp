@@ -14,11 +14,11 @@
 
 namespace houle::multigrid {
 
-// Where the numbers of a level are.
+// A level of the multigrid, as pointers to its numbers: coefficients, solution x, right-hand side b, residual r.
 template <int D, class Real>
 struct Level {
   Pencils<D> layout;
-  std::array<Field<Real>, D> k;  // of the lower face of each cell along each axis
+  std::array<Field<Real>, D> k;  // coefficient of the lower face of each cell, along each axis
   Field<Real> inverse;           // 1 / (e + sum of k), zero outside the active cells
   Field<Real> x, b, r;
 
@@ -54,7 +54,8 @@ struct OwnLevel {
   }
 };
 
-// What the sweeps of a level do to one colour of the pencils from begin to end.
+// The half sweeps of a level: each treats the cells of one colour in the pencils from begin to end. relax() solves
+// their equations with their neighbours as they are, residual() writes b - A x.
 template <int D, class Real>
 struct Sweeps {
   std::array<Star<D, Real>, 2> star;
@@ -223,8 +224,9 @@ inline void coarsen(OwnLevel<D, Real>& fine, OwnLevel<D, Real>& coarse, const La
       heavy);
 }
 
-// coarse.b = sums of the residuals of fine, one colour of it; the other is added if there is one. Of the coarse pencils
-// whose last children are in `part`: those before are in the slice before.
+// coarse.b = sums over the fine cells in each coarse one of the residual of one colour; the red one (0) is written, the
+// black one, if there is one, added. It is done for the coarse pencils whose last children are in `part`: the children
+// before these are in the slice before.
 template <int D, class Real>
 inline void restrict_residual(const Level<D, Real>& fine, const Level<D, Real>& coarse, int colour,
                               const Slices& part) {
@@ -270,7 +272,7 @@ inline void cycle(const std::vector<OwnLevel<D, Real>>& levels, std::size_t i = 
   const Layout<D>& layout = levels[i].layout;
   const Level<D, Real> level = levels[i].all();
   const Sweeps<D, Real> sweeps(level);
-  const auto fetch = [&](int k) {  // what operation k reads across periodic ends: the colour it does not write
+  const auto fetch = [&](int k) {  // copies to the ghost cells of periodic ends the colour that operation k reads
     if (k > 0) exchange(layout, level.x, 1 - k % 2);
   };
   if (i + 1 == levels.size()) {  // a single cell

@@ -21,11 +21,11 @@ namespace houle::multigrid {
 // Ranges are whole multiples of this many entries: no loop needs a remainder.
 constexpr int width = 8;
 
-// Where the cells of one pencil are, and which of them are active.
+// A pencil: the place of its cells in memory, and the range of the active ones.
 struct Pencil {
   index at;                 // entry m = 0 in every array of the level
-  index child;              // the same of its first pencil on the finer level
-  index parent;             // the same of the pencil on the coarser level that it is part of
+  index child;              // entry m = 0 of its first pencil on the finer level
+  index parent;             // entry m = 0 of the pencil on the coarser level that it is part of
   std::int32_t begin, end;  // its active cells are among the entries [begin, end) ...
   std::int32_t lo, hi;      // ... and these are inside [lo, hi), whole vectors
   std::int32_t parity;      // cell j = 2 m + s is of colour (parity + s) % 2
@@ -39,7 +39,7 @@ struct Seam {
   std::int32_t axis;
 };
 
-// Where the numbers of a field are, one per cell, split by colour: entry m of a pencil is c[colour][pencil.at + m].
+// A field, as pointers to its numbers, one per cell, split by colour: entry m of a pencil is c[colour][pencil.at + m].
 template <class Real>
 struct Field {
   std::array<Real*, 2> c{};
@@ -50,8 +50,8 @@ template <class Real>
 struct OwnField : Field<Real> {
   std::vector<Real> store;
 
-  // Zeroed; colours and fields are staggered so that streams do not share cache sets. only: the one colour that is
-  // wanted; the other, null, has no memory.
+  // Takes memory and sets it to zero. Colours and fields are staggered so that streams do not share cache sets. only:
+  // the one colour that is wanted; the other, null, has no memory.
   void allocate(index size, int only = -1) {
     static int stagger = 0;
     const index line = 64 / sizeof(Real);
@@ -135,8 +135,8 @@ struct Layout : Pencils<D> {
       Base::old_begin, Base::old_end, Base::row, Base::slices, Base::grain, Base::odd, Base::place, Base::offset,
       Base::pencil;
   std::vector<std::int32_t> ranges;  // first, last, old_begin, old_end of every pencil
-  std::vector<Pencil> rows;          // what `row` points to, never moved to other memory
-  std::vector<index> slice;          // what `slices` points to
+  std::vector<Pencil> rows;          // target of `row`, never moved to other memory
+  std::vector<index> slice;          // target of `slices`
   std::vector<index> load;           // entries in the slices before each, and in all
   std::vector<Seam> seams;
 
@@ -205,7 +205,7 @@ struct Layout : Pencils<D> {
   }
 };
 
-// Which cells are active, with a layer of ghosts around: empty at walls, wrapped on periodic axes.
+// The active cells, with a layer of ghosts around: empty at walls, wrapped on periodic axes.
 template <int D>
 struct Mask {
   std::array<index, D> step{};  // to the neighbour along each axis
@@ -268,7 +268,7 @@ inline void copy_active(const Pencils<D>& l, const Mask<D>& mask, const std::uin
       l.grain);
 }
 
-// Calls body(pencil) for every pencil with active cells. weight: work on an entry, in those of a sweep.
+// Calls body(pencil) for every pencil with active cells. weight: work on one entry, that of a sweep being 1.
 template <int D, class Body>
 inline void for_rows(const Layout<D>& l, Body body, index weight = 1) {
   const Pencil* rows = l.row;
@@ -299,8 +299,9 @@ struct Slices {
   const Pencil *begin, *end;  // the pencils in them
 };
 
-// Operations 0 .. count - 1 on every pencil: op(k, slices) reads what operation k - 1 has left in these slices and in
-// those beside them. before(k) is called before operation k where pencils meet across a periodic end.
+// Runs operations 0 .. count - 1, one after the other, on all pencils: op(k, slices) reads what operation k - 1 has
+// left in these slices and in those beside them. before(k) is called before operation k where pencils meet across a
+// periodic end.
 template <int D, class Before, class Op>
 inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
   const Pencil* rows = l.row;
@@ -318,7 +319,7 @@ inline void in_turn(const Layout<D>& l, int count, Before before, Op op) {
   }
 }
 
-// Copies what lies beyond the periodic ends (of one axis, or of all) into the ghost entries of one colour.
+// Fills the ghost entries of one colour from the other ends of the periodic axes (of one axis, or of all).
 template <int D, class Real>
 inline void exchange(const Layout<D>& l, const Field<Real>& x, int colour, int axis = -1) {
   for (const Seam& s : l.seams)
@@ -334,7 +335,7 @@ inline void exchange(const Layout<D>& l, const Field<Real>& x, int colour, int a
   }
 }
 
-// What couples the cells of one colour to their neighbours: star(s, i) = sum of k_f p_nb over the faces of entry i.
+// The coupling of the cells of one colour to their neighbours: star(s, i) = sum of k_f p_nb over the faces of entry i.
 template <int D, class Real>
 struct Star {
   std::array<const Real*, D> own, other;  // coefficients of the lower faces of this and of the other colour

@@ -17,7 +17,8 @@ namespace houle {
 
 namespace multigrid {
 
-// The finest level and the vectors of conjugate gradients, as loops over its pencils know them.
+// The finest level and the vectors of conjugate gradients, as loops over its pencils know them: coefficients k,
+// diagonal d and its inverse, solution x, right-hand side b, search direction, and q = A direction.
 template <int D, class Real>
 struct Finest {
   Level<D, Real> level;
@@ -138,7 +139,7 @@ struct Finest {
 
 }  // namespace multigrid
 
-// What a solve took and left.
+// The outcome of a solve.
 struct SolveResult {
   int iterations;   // -1: the tolerance was not reached
   double residual;  // max-norm of rhs - A p, recomputed from p, in the units of rhs
@@ -196,7 +197,7 @@ class PressureSolver {
     scale_ = 1;
     double norm = true_residual(), reached = norm, peak = norm;
     if (norm > tolerance) scale_residual(1 / norm);
-    bool exact = true;  // whether norm is that of the true residual
+    bool exact = true;  // true: norm is that of the true residual, not of the one carried on
     int iterations = 0;
     double rz = 0;
     while (!(norm <= tolerance) && std::isfinite(norm) && iterations < max_iterations) {
@@ -233,7 +234,7 @@ class PressureSolver {
   Grid<D> grid_;
   std::vector<multigrid::OwnLevel<D, Real>> levels_;
   std::array<Doubles, D> k_;
-  Doubles d_, inverse_;  // of the red and of the black cells only, as everything is reduced to the red ones
+  Doubles d_, inverse_;  // red cells only, black cells only: the system is reduced to the red ones
   Doubles x_, b_, p_;
   multigrid::OwnField<Real> q_;
   std::vector<double> part_;  // one partial result per block of pencils
@@ -354,7 +355,7 @@ class PressureSolver {
 
   using Star = multigrid::Star<D, double>;
 
-  const multigrid::OwnField<Real>& residual() const { return levels_[0].b; }  // what the cycle starts from
+  const multigrid::OwnField<Real>& residual() const { return levels_[0].b; }  // the right-hand side of the cycle
 
   void extend(const Doubles& f, const double* rhs) {  // the black values that leave no black residual
     if (colours() == 2) return;
@@ -374,7 +375,8 @@ class PressureSolver {
       });
   }
 
-  // The residual carried on in single precision is worth something down to this share of its peak.
+  // Share of its peak down to which the residual carried on in single precision is trusted: below, the true one is
+  // taken.
   static constexpr double trusted = 1e-5;
 
   double true_residual() {  // r = b - A x, scaled; returns its max-norm, unscaled

@@ -12,8 +12,8 @@ namespace houle {
 // Coefficients of the pressure system (15) at the true sub-cell surface:
 //   sum_f k_f (p_c - p_nb) + e_c p_c = -(1/h) sum of the net outflux of `star`   [1/s], p = pressure / density.
 // k = open mobility / h^2 on every face; e (cells): faces from an active cell to air, k / theta. Where mobility is null
-// it is `step` everywhere; where star is null there is no right-hand side (the position correction). least: depth of an
-// active centre that counts.
+// it is `step` everywhere; where star is null there is no right-hand side (the position correction). least: the depth
+// [cells] that an active centre has at least (surface_fraction()).
 template <int D>
 inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth,
                             ConstFaces<D, float> open, ConstFaces<D> mobility, double step, ConstFaces<D> star,
@@ -70,9 +70,9 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
       16);
 }
 
-// Takes the pressure gradient off the faces that touch an active cell, and closes the others (16). In place on u =
-// star, which is 0 if still. valid (faces): 1 where the velocity is now known (touches an active cell, or a wall), else
-// 0. mobility null: `step`.
+// Takes the pressure gradient off the faces that touch an active cell (16), and stops the water at walls. u: on entry
+// u*, taken as 0 if `still`; on return the projected velocity. valid (faces): 1 where the velocity is now known (the
+// face touches an active cell, or is a wall), else 0. mobility null: `step`.
 template <int D>
 inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D, float> open,
                     ConstFaces<D> mobility, double step, const double* p, double least, Faces<D> u,
@@ -139,7 +139,7 @@ inline void project(const Grid<D>& g, const std::uint8_t* active, const double* 
   }
 }
 
-// Eight flags at once, and whether one of them is 0.
+// Eight flags as one number, and a test for one of them being 0.
 constexpr index word = 8;
 inline std::uint64_t word_at(const std::uint8_t* flags) {
   std::uint64_t w;
@@ -148,22 +148,22 @@ inline std::uint64_t word_at(const std::uint8_t* flags) {
 }
 inline bool has_zero(std::uint64_t w) { return ((w - 0x0101010101010101u) & ~w & 0x8080808080808080u) != 0; }
 
-// Carries known face values outwards, `layers` faces deep, each the mean of its known neighbours. known (faces): 1
-// known, 0 not; on return layer numbers + 1. After `near` layers, faces with mass > keep_mass count as known as they
-// are: spray too far from the water for its pressure flies on. mass null: no such faces.
+// Carries known face values outwards, `layers` faces deep, each the mean of its known neighbours. known (faces): on
+// entry 1 where known, else 0; on return the number of the layer + 1. After `near` layers, faces with mass > keep_mass
+// count as known as they are: spray too far from the water for its pressure flies on. mass null: no such faces.
 //
-// A layer reads what is known from one copy of `known` and writes to the other, where the next one reads: in
-// parallel_in_turn the layer after it has not come yet where this one reads, be it another thread that was there.
+// A layer reads what is known from one copy of `known` and writes to the other, which the next layer reads. So, in
+// parallel_in_turn, a layer finds only what the one before has left, even where a thread is a layer ahead beside it.
 template <int D>
 inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> mass, double keep_mass, Faces<D> u,
                         const std::array<std::uint8_t*, D>& known) {
   constexpr int up = D - 1;
-  std::array<index, D + 1> first{};  // of each axis in the second copy
+  std::array<index, D + 1> first{};  // first face of each axis in the second copy
   for (int a = 0; a < D; ++a) first[a + 1] = first[a] + g.faces(a);
   std::vector<std::uint8_t> other(static_cast<std::size_t>(first[D]));
   std::array<std::array<std::uint8_t*, D>, 2> copies;
   for (int a = 0; a < D; ++a) copies[0][a] = known[a], copies[1][a] = other.data() + first[a];
-  const auto layer_of = [=](int a, index r, int layer) {  // one more layer on a row of the faces of an axis
+  const auto add_layer = [=](int a, index r, int layer) {  // one more layer on a row of the faces of an axis
     const auto shape = g.face_shape(a);
     const index line = shape[up], period = g.periodic[up] ? g.shape[up] : 0, row = r * line;
     const std::uint8_t mark = static_cast<std::uint8_t>(layer + 1);
@@ -207,7 +207,7 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
       const index line = shape[up], rows = g.faces(a) / line / shape[0];  // in a slice
       const index begin = from * rows, end = std::min(to, shape[0]) * rows;
       if (k < layers)
-        for (index r = begin; r < end; ++r) layer_of(a, r, k + 1);
+        for (index r = begin; r < end; ++r) add_layer(a, r, k + 1);
       else
         for (index f = begin * line; f < end * line; ++f) {
           known[a][f] = copies[layers % 2][a][f];
@@ -224,9 +224,9 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
   close_periodic(g, u);
 }
 
-// Above the surface of single-valued columns (`column` not NaN), the vertical velocity that keeps div u = 0 with the
-// horizontal velocities carried there: the water between the last pressure cell and the surface must not be squeezed.
-// Overwrites `layers` faces above the topmost active cell of each column.
+// Continues the flow above the surface of single-valued columns (`column` not NaN): the vertical velocity that keeps
+// div u = 0 with the horizontal velocities carried there, as the water between the last pressure cell and the surface
+// must not be squeezed (18). Overwrites `layers` faces above the topmost active cell of each column.
 template <int D>
 inline void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* active, const double* column,
                              Faces<D> u) {

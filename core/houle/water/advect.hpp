@@ -7,7 +7,7 @@
 
 namespace houle {
 
-// What stops a particle: domain walls, gates, solids, walls between the faces.
+// The obstacles that stop a particle beside the walls of the tank: solids, gates, walls between the faces.
 template <int D>
 struct Obstacles {
   Solids<D> solids;
@@ -24,7 +24,8 @@ HOULE_NOINLINE inline std::array<double, D> outside_solids(const Grid<D> g, cons
   return x;
 }
 
-// Brings a particle that went from `from` to x back into the water's room.
+// Brings a particle that went from `from` to x back to where water can be: in the tank, outside solids, on its side of
+// gates and paddles.
 template <int D>
 inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const double* from, double* x) {
   stop_at_gates(g, obstacles.gates, from, x);
@@ -40,8 +41,9 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
   bring_into_tank(g, x);
 }
 
-// x += dt u_d(x_mid) / n(x_mid), x_mid = x + dt/2 u_d(x) / n(x): the midpoint rule (17). porosity (cells) null: 1.
-// own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles where they are known already, else null.
+// Moves particles with the pore velocity for dt by the midpoint rule (17): x += dt u_d(x_mid) / n(x_mid), x_mid = x +
+// dt/2 u_d(x) / n(x). porosity (cells) null: 1. own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles
+// where they are known already, else null.
 template <int D>
 inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& porosity, const double* own,
                  const double* volume, const double* bulk, const Interfaces<D>& media, const Obstacles<D>& obstacles,
@@ -76,8 +78,8 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& poros
   });
 }
 
-// x = from + dt u_d / n with each particle's own velocity, paper (12) and (17). porosity (n,) at the particles,
-// null: 1.
+// Moves particles with their own velocities: x = from + dt u_d / n, paper (12) and (17). porosity (n,) at the
+// particles, null: 1.
 template <int D>
 inline void drift(const Grid<D>& g, index n, const double* from, const double* u, const double* porosity,
                   const Obstacles<D>& obstacles, double dt, double* x) {
@@ -89,9 +91,9 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
   });
 }
 
-// way += dt u on the faces, in single precision: how far water has come from where it was [m]. Returns the largest
-// |way| / n along each axis where a face carries more mass than `least`. porosity (cells) null: 1; n is the mean of the
-// cells on both sides of a face.
+// Adds the way of the water in a step to `way` (faces, single precision), way += dt u: how far it has come from where
+// it was [m]. Returns the largest |way| / n along each axis where a face carries more mass than `least`. porosity
+// (cells) null: 1; n is the mean of the cells on both sides of a face.
 template <int D>
 inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u, ConstFaces<D> mass, double least,
                                     const Listed& porosity, const std::array<float*, D>& way) {
@@ -136,17 +138,18 @@ inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u
   return farthest;
 }
 
-// What a flat surface leaves empty of the tent of a cell with water across all of its faces, at most: where it runs
-// through the centres of those on one side.
+// The largest share of a cell's tent that a flat surface leaves empty while there is water across all faces of the
+// cell: the surface then runs through the centres of the cells on one side.
 template <int D>
 constexpr double corner = D == 2 ? 1.0 / 24.0 : 29.0 / 360.0;
 
-// The excess of each active cell that the position correction spreads: omega n E, |E| <= 0.25, in
-// -div grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. In a column whose surface eta is its
-// level (column, in cells) the cells that it cuts have none: their level is that of the column's volume, and to chase
-// the fill of single surface cells stirs the surface (docs/decisions/0001). Elsewhere, where depth says no more than
-// the fill, a deficit next to air is the surface; but a cell with air at an edge or a corner only that lacks the place
-// of a particle has a hole, which is filled to what a flat surface leaves. Returns the largest.
+// The excess of each active cell that the position correction spreads, rhs (cells): omega n E, |E| <= 0.25, in -div
+// grad psi = omega n E (psi: potential of the Darcy displacement), E = F - 1. Returns the largest |omega n E|.
+//
+// In a column whose surface eta is its level (column, in cells), the cells that it cuts have none: their level is that
+// of the column's volume, and to chase the fill of single surface cells stirs the surface (docs/decisions/0001).
+// Elsewhere, where depth says no more than the fill, a deficit next to air is the surface. But a cell with air only at
+// an edge or a corner that lacks the place of a particle has a hole, and is filled to what a flat surface leaves.
 template <int D>
 inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
                              const double* eta, const double* fill, const Listed& open, const Listed& porosity,
@@ -167,7 +170,8 @@ inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const
   });
 }
 
-// x += displacement(x) / n(x), each component at most `limit` cells. displacement: Darcy displacement on faces [m].
+// Moves particles along a Darcy displacement on the faces [m]: x += displacement(x) / n(x), each component at most
+// `limit` cells.
 template <int D>
 inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const Listed& porosity,
                      const Obstacles<D>& obstacles, double limit, double* x) {

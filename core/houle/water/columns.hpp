@@ -9,8 +9,9 @@
 
 namespace houle {
 
-// One piece of a column's capacity. Up to z stand `below` cells of water; from there to the next piece, s in [0, 1],
-// the section open to water is a + b s + c s^2 of the plan area.
+// One piece of a column's capacity, which is the water that its pores hold below each height. Below z there are `below`
+// cells of water; from there to the next piece, s in [0, 1], the section open to water is a + b s + c s^2 of the plan
+// area.
 struct CapacityPiece {
   double z;      // [cells]
   double below;  // [cells]
@@ -39,13 +40,15 @@ inline double level_of(const CapacityPiece* first, const CapacityPiece* last, do
   return p.z + s * length;
 }
 
-// Level [m] of all columns. Uniform ones are filled to height / porosity, of column_heights (columns) [m] and their
-// pores (columns); the listed ones by their pieces:
-// fill (cells): share of its capacity that each cell holds; inverse_capacity (cells): 1 / the water in its tent when
-// all pores are full [1/m^D], 0 in solids. The sum over a column is the water in the column's horizontal tent. Cells
-// well under water count as full: how the particles crowd there is no matter of the level, and where the porosity
-// changes they crowd by a few percent. column (count,): their numbers; piece number start[i] to start[i + 1] - 1 are
-// those of column[i].
+// Finds the level of the water in all columns of cells, level (columns) [m].
+//
+// A uniform column is filled to height / porosity: height (columns) [m] from column_heights(), porosity (columns) of
+// its pores. A listed column is filled to the level up to which its pieces hold its water. That is summed over its
+// cells: fill (cells), the share of its capacity that a cell holds, over inverse_capacity (cells), 1 / the water in its
+// tent when all pores are full [1/m^D], 0 in solids. The sum is the water in the column's horizontal tent. Cells more
+// than two below the surface count as full: where the porosity changes, particles crowd there by a few percent, which
+// is no rise of the level. column (count,): numbers of the listed columns; column[i] has the pieces start[i] to start[i
+// + 1] - 1.
 template <int D>
 inline void column_levels(const Grid<D>& g, const double* height, const double* porosity, const double* fill,
                           const double* inverse_capacity, index count, const std::int64_t* column,

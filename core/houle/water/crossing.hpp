@@ -1,8 +1,10 @@
-// Water that crosses from one porosity to another: where the pressure holds it, and its energy where nothing does.
+// Water that crosses from one porosity to another: the faces where the pressure holds it, and its energy where nothing
+// does.
 //
 // Water of porosity n and inertia J = C_r/n has the kinetic energy 1/2 V s^2 u_d^2 per density, s^2 = J/n = C_r/n^2.
-// Deep under water the pressure makes what a crossing needs, and the Bernoulli force of forces.hpp carries it over. A
-// particle that no pressure holds keeps its energy by itself: s u_d stays, whatever the step (docs/decisions/0015).
+// Deep under water, pressure on both sides of a face holds the flux ("held" faces): there the Bernoulli force of
+// forces.hpp speeds the water up or slows it down. A particle that no pressure holds keeps its energy by itself: s u_d
+// stays, whatever the step (docs/decisions/0015).
 #pragma once
 
 #include <vector>
@@ -16,7 +18,7 @@ namespace houle {
 // The medium as particles that cross it meet it.
 template <int D>
 struct Crossing {
-  ConstFaces<D, std::int32_t> number;  // of the material of each face
+  ConstFaces<D, std::int32_t> number;  // row of each face in the table
   const Material* table;
   Listed inertia;                    // cells: J of all faces that a particle there sees; 0: several
   Listed uniform;                    // the same; 0 also where a particle meets several porosities
@@ -36,8 +38,8 @@ inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
 }
 
-// J along each axis at x, linear from its faces, so that to gather the particles' momentum on the faces makes no
-// energy.
+// Inertia J (D,) at x along each axis, linear from the faces around: with these weights the step from particles to
+// faces makes no energy.
 template <int D>
 HOULE_NOINLINE inline void sample_inertia(const Grid<D>& g, const Crossing<D>& medium,
                                           const Stencil<LinearKernel, D>& st, const double* x, float* inertia) {
@@ -47,7 +49,8 @@ HOULE_NOINLINE inline void sample_inertia(const Grid<D>& g, const Crossing<D>& m
   for (int a = 0; a < D; ++a) inertia[a] = static_cast<float>(sum[a]);
 }
 
-// The medium at a particle of volume V at x, in that cell: V/n with the porosity linear from the cells, and J (D).
+// The medium at a particle of volume V at x in this cell. Returns its bulk volume V/n, n linear between cell centres;
+// writes its inertia J (D,).
 template <int D>
 inline double sample_medium(const Grid<D>& g, const Crossing<D>& medium, const Listed& porosity,
                             const Stencil<LinearKernel, D>& st, index cell, const double* x, double volume,
@@ -60,7 +63,7 @@ inline double sample_medium(const Grid<D>& g, const Crossing<D>& medium, const L
                                     : volume / st.template gather<-1>(Grid<D>::strides(g.shape), porosity);
 }
 
-// The same at all particles: bulk (n,), inertia (n, D).
+// The medium at all particles: bulk volume V/n (n,) and inertia J (n, D).
 template <int D>
 inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
                           const double* volume, double* bulk, float* inertia) {
@@ -78,8 +81,9 @@ inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, 
   });
 }
 
-// held (faces): 1 between two cells with no air around them, where the contrast is no more than `most`: there the
-// pressure on both sides holds the normal flux, and the Bernoulli force acts.
+// Marks the held faces, held (faces): 1 between two cells with no air around them whose contrast (cells), the ratio of
+// C_r/n^2 nearby, is above 1 and no more than `most`. There the pressure on both sides holds the normal flux, and the
+// Bernoulli force acts.
 template <int D>
 inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const Listed& contrast,
                        double most, const std::array<std::uint8_t*, D>& held) {
@@ -106,7 +110,7 @@ inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Liste
   }
 }
 
-// Share of the Bernoulli force in what particle p feels along axis a.
+// Share of the faces that a particle sees along axis a that is held: so much of the Bernoulli force it feels there.
 template <int a, int D>
 inline double held_share(const Stencil<LinearKernel, D>& st, const std::array<std::array<index, D>, D>& stride,
                          const ConstFaces<D, std::uint8_t>& held) {
@@ -149,7 +153,7 @@ inline void turn(const Grid<D>& g, const Stencil<LinearKernel, D>& st, const Lis
   for (int a = 0; a < D; ++a) u[a] = (w[a] + cross(axis, half, a) / (1.0 + 0.25 * size)) / s[a];
 }
 
-// A particle that has moved to x in that cell; the rest as in carry() below.
+// The work of carry() on one particle, which has moved to x in this cell.
 template <int D>
 HOULE_NOINLINE inline void carry_one(const Grid<D>& g, const Crossing<D>& medium, const Listed& porosity,
                                      const Listed& coefficient, const Listed& lag, double ago, double dt, index cell,
@@ -172,12 +176,14 @@ HOULE_NOINLINE inline void carry_one(const Grid<D>& g, const Crossing<D>& medium
   if (dt != 0.0) turn(g, st, coefficient, 0.5 * dt * (bulk / volume) * along, now, u);
 }
 
-// After particles have moved: bulk (n,) and inertia (n, D), on entry those where they were, are those where they are;
-// and where nothing holds them they keep s u_d. And where C_r changes the velocity turns: C_r u along an interface is
-// kept, which is a rotation of s u_d at the rate u x grad C_r / (2 C_r), exact in energy. coefficient (cells): C_r;
-// dt: of the motion, 0 if the particles have moved but not in time. Where the convective acceleration has a coefficient
-// K of its own, coefficient is K, lag (cells) 1 - K/C_r and ago (n,) K/C_r where the particles were, else both null:
-// there K stands for C_r in s and in what turns.
+// Takes the medium and the energy of particles along after they have moved to x. bulk (n,) and inertia (n, D): on entry
+// those of the old places, on return those of the new ones. Where nothing holds a particle it keeps s u_d. Where C_r
+// changes, its velocity turns: C_r u along an interface is kept, which is a rotation of s u_d at the rate u x grad C_r
+// / (2 C_r), exact in energy.
+//
+// coefficient (cells): C_r; dt: duration of the motion, 0 if the particles have moved but not in time. Where the
+// convective acceleration has a coefficient K of its own, coefficient is K, lag (cells) 1 - K/C_r and ago (n,) K/C_r at
+// the old places, else both null: K then stands for C_r in s and in what turns.
 template <int D>
 inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity,
                   const Listed& coefficient, const Listed& lag, const double* ago, double dt, const double* x,
@@ -196,7 +202,7 @@ inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Li
   });
 }
 
-// What stands around a point: the velocity of the faces, linear, their least and largest inertia, and the share of them
+// The surroundings of a point: velocity of the faces, linear, their least and largest inertia, and the share of them
 // that is held.
 template <int D>
 struct Around {
@@ -218,13 +224,15 @@ struct Around {
   }
 };
 
-// change (faces): of the velocity while water moves for dt, where the added mass is not before the convective
-// acceleration: C_r du/dt + K (u . grad) u = C_r (d/dt + (1 - lag) u . grad) u with lag = 1 - K/C_r (cells). Momentum
-// goes with 1 - lag of the velocity of the water, so water on a face finds what is `lag` of its way ahead of it, u(y) -
-// u(x), y by the midpoint rule (17). u(y) by M4' in both directions, third order, which makes no wave larger, however
-// long the step: |sum_k M4'(f - k) exp(i k phi)| <= 1 for all f and phi. Where other media are among those faces,
-// linear from the faces on the side of y, and between different inertias in the share that is held. porosity (cells):
-// of the particles.
+// Change of the velocity on faces, change [m/s], while water moves for dt in bodies where the added mass does not stand
+// before the convective acceleration: C_r du/dt + K (u . grad) u = C_r (d/dt + (1 - lag) u . grad) u with lag = 1 -
+// K/C_r (cells).
+//
+// Momentum goes with 1 - lag of the velocity of the water. So water on a face at x finds the velocity that is `lag` of
+// its way ahead, and changes by u(y) - u(x), with y by the midpoint rule (17). u(y) is taken by M4' in all directions,
+// third order, which makes no wave larger, however long the step: |sum_k M4'(f - k) exp(i k phi)| <= 1 for all f and
+// phi. Where other media are among those faces it is linear from the faces on the side of y, and between different
+// inertias it counts in the share that is held. porosity (cells): that of the particles.
 template <int D>
 inline void fall_behind(const Grid<D>& g, const Crossing<D>& medium, const Listed& lag, const Listed& porosity,
                         ConstFaces<D> u, double dt, Faces<D> change) {
@@ -273,11 +281,11 @@ inline void fall_behind(const Grid<D>& g, const Crossing<D>& medium, const Liste
   });
 }
 
-// Velocities where the inertia of the faces around a particle differs, on its own side of an interface or beyond:
-// linear from the faces that it sees, whatever the transfer, and where nothing holds it with no more energy than they
-// have there, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p = sum_f w_fp J_f. (A face of much inertia and little speed
-// beside one of little inertia and much speed makes energy else, and so does what FLIP keeps.) affine (n, D, D): a
-// gradient is kept to the share that is held; may be null.
+// Settles the velocities of particles that see faces of different inertia, on their own side of an interface or beyond.
+// They become linear from the faces that are seen, whatever the transfer. Where nothing holds a particle it gets no
+// more energy than those faces have, J_p u_p^2 <= sum_f w_fp J_f u_f^2 with J_p = sum_f w_fp J_f. (Else a face of much
+// inertia and little speed beside one of little inertia and much speed makes energy, and so does what FLIP keeps.)
+// affine (n, D, D): a gradient is kept to the share that is held; may be null.
 template <int D>
 inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFaces<D> velocity, const double* x,
                    double* u, double* affine) {
@@ -314,8 +322,9 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
   });
 }
 
-// Twice the kinetic energy per density of the particles of each cell that is near (cells), 0 elsewhere: out (cells).
-// The particles may be in any order, so one by one: the sums are the same for any number of threads.
+// Twice the kinetic energy per density of the particles of each cell marked in near (cells), 0 in the others: out
+// (cells). The particles may be in any order, so they are added one by one: the sums are the same for any number of
+// threads.
 template <int D>
 inline void cell_energy(const Grid<D>& g, index n, const std::uint8_t* near, const double* x, const double* bulk,
                         const float* inertia, const double* u, double* out) {
@@ -327,7 +336,7 @@ inline void cell_energy(const Grid<D>& g, index n, const std::uint8_t* near, con
   }
 }
 
-// The velocities of particles times the share of their cell (cells).
+// Multiplies the velocity of each particle by share (cells) of its cell.
 template <int D>
 inline void scale_by_cell(const Grid<D>& g, index n, const double* share, const double* x, double* u) {
   parallel_for(n, [=](index p) {

@@ -6,8 +6,8 @@
 
 namespace houle {
 
-// Sums of term(r, i), i = 0..n[r]-1, for every range r, by blocks: of all ranges in one loop. Four terms at a time, so
-// that the additions of a group do not wait for those of the one before.
+// Sums of term(r, i), i = 0..n[r]-1, for every range r, by blocks, all ranges in one loop. Four terms are added at a
+// time: the sums of one group need not wait for those of the group before.
 template <std::size_t ranges, class Term>
 inline std::array<double, ranges> sums_by_four(const std::array<index, ranges>& n, Term term) {
   constexpr index block = 2048;
@@ -73,8 +73,8 @@ inline double total(index n, const double* value) {
   return blocks > 0 ? parts[0] : 0.0;
 }
 
-// 1/2 sum_p (V/n) J |u_d|^2, J = C_r/n: the energy whose rate is the work of forces less the drag, per unit density.
-// bulk (n,) V/n; inertia (n, D) J at the particles along each axis, null in clear water.
+// Kinetic energy of the particles per unit density, 1/2 sum_p (V/n) J |u_d|^2 with J = C_r/n: its rate is the work of
+// forces less the drag. bulk (n,) V/n; inertia (n, D) J at the particles along each axis, null in clear water.
 template <int D>
 inline double kinetic_energy(index n, const double* bulk, const float* inertia, const double* u) {
   return sum_by_four(n, [=](index p) {
@@ -85,7 +85,8 @@ inline double kinetic_energy(index n, const double* bulk, const float* inertia, 
   });
 }
 
-// 1/2 sum_f m_f J_f u_f^2 over the faces; J by the number of the face's material, 1 where that is null
+// Kinetic energy of the faces per unit density, 1/2 sum_f m_f J_f u_f^2; J by the number of the face's material, 1
+// where that is null.
 template <int D>
 inline double face_kinetic_energy(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D, std::int32_t> number,
                                   const Material* table, ConstFaces<D> u) {
@@ -94,18 +95,18 @@ inline double face_kinetic_energy(const Grid<D>& g, ConstFaces<D> mass, ConstFac
   });
 }
 
-// sum_f m_f u_f f_f over the faces: the rate of work of the accelerations f
+// Power of the accelerations f on the faces per unit density, sum_f m_f u_f f_f.
 template <int D>
 inline double face_power(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D> u, ConstFaces<D> acceleration) {
   return sum_of_faces(g, [=](std::size_t a, index f) { return mass[a][f] * u[a][f] * acceleration[a][f]; });
 }
 
-// Whether all of n numbers are finite: x - x is then 0, else not a number.
+// True if all n numbers are finite: x - x is then 0, else NaN.
 inline bool all_finite(index n, const double* x) {
   return sum_by_four(n, [=](index i) { return x[i] - x[i]; }) == 0.0;
 }
 
-// max_p |u_a| / n along each axis, n = volume / bulk; NaN if any is.
+// Largest pore speed along each axis, max_p |u_a| / n with n = volume / bulk [m/s]; NaN if any is.
 template <int D>
 inline std::array<double, D> max_speed(index n, const double* u, const double* volume, const double* bulk) {
   using Speeds = std::array<double, D>;
@@ -123,7 +124,7 @@ inline std::array<double, D> max_speed(index n, const double* u, const double* v
       });
 }
 
-// sum_p weight_p value_p, value one column of an (n, D) array
+// Sum over particles of weight_p value_p, value being one column of an (n, D) array.
 inline double weighted_sum(index n, const double* weight, const double* value, index stride) {
   return sum_by_four(n, [=](index p) { return weight[p] * value[p * stride]; });
 }

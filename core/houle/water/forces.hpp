@@ -6,7 +6,8 @@
 
 namespace houle {
 
-// What stands around a face: few different ones, in a table.
+// The medium around a face, as means over its box. A tank has few different ones: they stand in a table, and a face has
+// the number of its row.
 struct Material {
   double inertia;      // <C_r / n>
   double darcy;        // <a> [1/s], per Darcy velocity
@@ -16,20 +17,20 @@ struct Material {
 // The porous medium as the faces see it.
 template <int D>
 struct Resistance {
-  ConstFaces<D, std::int32_t> number;  // of the material of each face, null: 0
+  ConstFaces<D, std::int32_t> number;  // row of each face in the table; null: 0
   const Material* table = nullptr;     // null: clear water everywhere
   ConstFaces<D> rate;                  // further linear resistance of the faces [1/s], null: none
-  Listed energy;                       // cells C_r/n^2, null: 1
-  ConstFaces<D, std::uint8_t> held;    // where the Bernoulli force acts, null: everywhere
+  Listed energy;                       // cells: C_r/n^2; null: 1
+  ConstFaces<D, std::uint8_t> held;    // faces: 1 where the Bernoulli force acts; null: everywhere
 };
 
-// What surrounds the faces of axis a on one row: of the other components the four faces around, and the cells about.
-// Along the row entry k is read at kl = low(k), kh = high(k): the cells before and after the face if the row runs along
-// a, else both k. Behind a wall stands what is in front of it.
+// The surroundings of a row of faces of axis a: for every other velocity component the four faces around each, and the
+// cells on both sides. Entry k of the row reads them at kl = low(k), kh = high(k): the cells before and after the face
+// if the row runs along a, else both are k. Behind a wall, what is in front of it is read again.
 template <int D, int a>
 struct FaceRow {
   static constexpr int up = D - 1;
-  std::array<const double*, 4> around[D];           // of component b: two on each side of the face
+  std::array<const double*, 4> around[D];           // component b: two rows on each side of the face
   std::array<Listed, 2> side, after[D], before[D];  // cells: on both sides, and their neighbours along b
 
   FaceRow(const Grid<D>& g, const std::array<index, D>& i, const ConstFaces<D>& u, const Listed& cells) {
@@ -83,10 +84,11 @@ inline double phi1(double y) {
   return sum;
 }
 
-// The rise of twice C_r/n^2 across a face of inertia J, from before it to after it: s^2 ln(after / before). A velocity
-// along an interface that water crosses changes by exp(-1/2 d ln s^2) then, as s u_d is kept, however steep the step.
-// With the plain difference it was reduced, or grew, by much more: e^3 instead of e^1.3 for n = 0.3. s^2 is at the face
-// that of the medium there: of the three the least that such a J can have, s^2 = J/n >= J.
+// The rise of twice C_r/n^2 across a face of inertia J, from `before` to `after`: s^2 ln(after / before), s^2 =
+// C_r/n^2. A velocity along an interface that water crosses then changes by exp(-1/2 d ln s^2), as s u_d is kept,
+// however steep the step. The plain difference changed it by much more: e^3 instead of e^1.3 for n = 0.3. At the face
+// s^2 is that of the medium there. It is not known; of the three values around it is the least that such a J allows, as
+// s^2 = J/n >= J.
 inline double rise(double J, double before, double here, double after) {
   if (before == after) return 0.0;
   double least = std::max({before, here, after});
@@ -140,7 +142,7 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
       const double c = 1.0 / m.inertia, A = m.darcy + (rate ? rate[f] : 0.0);
       double R = A, J = A;
       if (speed2 > 0.0) {
-        double sigma = 0.0;  // of grad(C_r/n^2): across the face in its own axis, central in the others, see rise()
+        double sigma = 0.0;  // by grad(C_r/n^2): along a the difference across the face, else rise()
         if (cells && (!held || held[f]))
           each_of<D>([&](auto axis_b) {
             constexpr int b = decltype(axis_b)::value;
@@ -183,8 +185,9 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
   });
 }
 
-// Energy that the drag took in a step, sum_f m_f J_f r_f u0_f (u0_f + u1_f) / 2 with J = C_r/n and r = mobility
-// (a + b |u0|), the share of u0 that it takes; per unit density. u, mobility: u0 and what apply_forces() gave for it.
+// Energy that the drag took in a step, per unit density: sum_f m_f J_f r_f u0_f (u0_f + u1_f) / 2. Here J = C_r/n, u0 =
+// u and u1 = after are the velocities before and after the step, and r = mobility (a + b |u0|) is the share of u0 that
+// drag takes; mobility as apply_forces() gave it for u0.
 template <int D>
 inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFaces<D> mass, ConstFaces<D> mobility,
                         ConstFaces<D> u, ConstFaces<D> after) {

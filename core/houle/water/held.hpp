@@ -1,13 +1,13 @@
-// How much water columns of cells hold, as the surface shows it.
+// Water that columns of cells hold, as the surface shows it.
 #pragma once
 
 #include <houle/water/surface.hpp>
 
 namespace houle {
 
-// Whether the water around a cell under the surface lacks the place of a particle or more, most of it in that cell: a
-// bubble too small to have a surface. Disorder, which thins one cell and crowds the next, cancels in the sum, and the
-// tents of all cells that touch make up for what a bubble takes from one of them.
+// True at a bubble too small to have a surface: under the surface, with no air around, cell c and all around it
+// together lack the place of a particle or more, and so does c alone. Disorder, which thins one cell and crowds the
+// next, cancels in this sum, and the tents of all cells that touch make up for what a bubble takes from one of them.
 template <int D>
 inline bool is_bubble(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const double* fill,
                       const double* inverse_capacity, index c) {

@@ -1,21 +1,21 @@
-// Where porous bodies and clear water meet, as particles and faces near to an interface know it.
+// Interfaces, where porous bodies and clear water (or two bodies) meet, as the particles and faces near them know them.
 //
 // Across an interface the Darcy velocity is continuous. Along it, it is not: drag, inertia and porosity differ. So a
-// particle sees the faces of its own side only, with their weights divided by their sum; but the component across an
-// interface that is parallel to the faces of that axis, which is known on the interface itself, it sees as everywhere.
-// What it gives to the faces has the same weights. They sum to 1, so momentum is conserved and uniform flow is kept;
-// and as near a wall of the tank, the velocity is constant over the last half cell. See docs/decisions/0017.
+// particle sees the faces of its own side only, with their weights divided by their sum. One component it sees as
+// everywhere: that across an interface parallel to the faces of its axis, for it is known on the interface itself. A
+// particle gives to the faces with the same weights. They sum to 1, so momentum is conserved and uniform flow is kept;
+// as near a wall of the tank, the velocity is constant over the last half cell. See docs/decisions/0017.
 #pragma once
 
 #include <houle/grid/kernels.hpp>
 
 namespace houle {
 
-// The sides of a gate, in the place of the numbers of media (GATE of medium/interfaces.py).
+// The two sides of a gate: an Interface has these numbers in place of those of media (GATE of medium/interfaces.py).
 constexpr double before_gate = -3.0, behind_gate = -2.0;
 
-// The interface nearest to the centre of a cell, as a plane, and the media on both of its sides. Or a gate beside the
-// cell: then its sides stand in the place of the media, and faces belong to the side on which they lie.
+// The interface nearest to the centre of a cell, as a plane, and the media on its two sides. For a gate beside the cell
+// the sides of the gate take the place of the media, and a face belongs to the side on which it lies.
 template <int D>
 struct Interface {
   double normal[D];
@@ -28,33 +28,35 @@ struct Interface {
     return s >= 0.0;
   }
   double side(const double* x) const { return beyond(x) ? above : below; }  // the medium there
-  int axis() const {  // of the faces to which it is parallel (PARALLEL of medium/interfaces.py), -1: none
+  int axis() const {  // normal to it, -1: oblique (PARALLEL of medium/interfaces.py)
     for (int a = 0; a < D; ++a)
       if (std::abs(normal[a]) > 1.0 - 1e-9) return a;
     return -1;
   }
-  // Whether it is parallel, or nearly, to the faces of that axis (ALONG of medium/interfaces.py).
+  // True if water that passes the faces of axis a crosses it: it is parallel, or nearly, to them (ALONG of
+  // medium/interfaces.py).
   bool across(int a) const { return normal[a] * normal[a] > 0.99; }
 };
 
 // All interfaces and gates of a tank: which of them is near to each cell, and the medium of each face.
 template <int D>
 struct Interfaces {
-  const std::int32_t* number = nullptr;  // cells: of the interface in the list, -1 far from any; null: there are none
+  const std::int32_t* number = nullptr;  // cells: row of the list, -1: no interface near; null: none at all
   const std::int32_t* close = nullptr;   // the same; -1 also where the linear kernel meets faces of one medium only
   const Interface<D>* list = nullptr;
   std::array<double, D> slices{};     // 1 over the number of faces of each axis in a slice across the first
-  double spacing = 0;                 // of the cells along the first axis [m]
+  double spacing = 0;                 // size of a cell along the first axis [m]
   ConstFaces<D, std::int8_t> medium;  // at the centre of each face; -1: in a solid, on no side
 
-  // What a particle in that cell has to know of, which sees faces by the kernel K.
+  // The interface that a particle in this cell must look at, if it sees faces by the kernel K; null: none.
   template <class K>
   const Interface<D>* near(index cell) const {
     const std::int32_t k = (std::is_same_v<K, LinearKernel> ? close : number)[cell];
     return k < 0 ? nullptr : list + k;
   }
+  // The interface nearest to the centre of this cell; null: none near.
   const Interface<D>* in(index cell) const { return number[cell] < 0 ? nullptr : list + number[cell]; }
-  // Whether a face of axis a lies on that side of the interface.
+  // True if face f of axis a lies on that side of the interface. A face in a solid counts on both.
   bool is_own(const Interface<D>& at, int a, index f, double side) const {
     if (side > behind_gate) return medium[a][f] == side || medium[a][f] < 0;
     return (std::floor((static_cast<double>(f) + 0.5) * slices[a]) + 0.5) * spacing >= at.offset ? side == behind_gate
@@ -62,8 +64,8 @@ struct Interfaces {
   }
 };
 
-// What is passed to the two functions below that are not inlined is copied: the loops around them, in which few
-// particles are beside an interface, keep what they have in registers.
+// The two functions below that are not inlined take copies: the loops around them, in which few particles are beside an
+// interface, keep their own numbers in registers.
 
 // The weights of the linear kernel for these faces of axis a, as a particle at x beside that interface sees them.
 template <int D, std::size_t count>
@@ -88,7 +90,7 @@ inline std::array<double, D> point(const double* x) {
   return at;
 }
 
-// A particle beside an interface: how it sees the faces.
+// The faces that a particle beside an interface sees, with weights that sum to 1.
 template <class K, int D>
 class Beside {
  public:
@@ -109,7 +111,7 @@ class Beside {
     });
   }
 
-  explicit operator bool() const { return cut_; }  // whether it sees less than all faces around
+  explicit operator bool() const { return cut_; }  // true: it sees fewer faces than there are around it
   const Stencil<K, D>& stencil() const { return stencil_; }
 
   // visit(axis, face, weight, sign of the mirrored normal component, offsets)
@@ -138,11 +140,12 @@ class Beside {
   const Interface<D>& at_;
   double side_;
   bool cut_ = false;
-  double total_[D] = {}, own_[D] = {};  // 1 over the weights of all faces, and of the own ones; 0: it sees all
+  double total_[D] = {}, own_[D] = {};  // 1 over the sum of the weights of all faces; of its own, 0: it sees all
 
   bool is_own(int a, index f) const { return media_.is_own(at_, a, f, side_); }
 };
 
+// The rarer part of beside_interface(): a particle near to an interface.
 template <class K, int D, class Body>
 HOULE_NOINLINE inline bool see_less(const Grid<D> g, const std::array<std::array<index, D>, D> stride,
                                     const Interfaces<D> media, const Interface<D>* at, const std::array<double, D> x,

@@ -16,9 +16,9 @@ struct Lattice {
   std::array<index, D> shape{}, stride{};
   std::array<double, D> h{};
   std::array<bool, D> periodic{};
-  double volume = 1;  // of a node's half cell [m^D]
-  index begin, end;   // along the first axis: nodes between its walls
-  Gates gates;        // between nodes
+  double volume = 1;  // size of the half cell of a node [m^D]
+  index begin, end;   // nodes begin .. end - 1 along the first axis lie between its walls
+  Gates gates;        // on the faces of half cells
 
   Lattice(const Grid<D>& g, const Gates& shut) : Lattice(g, shut, 0, 2 * g.shape[0]) {}
   Lattice(const Grid<D>& g, const Gates& shut, index first, index last)
@@ -31,16 +31,18 @@ struct Lattice {
     stride = Grid<D>::strides(shape);
   }
   index nodes() const { return shape[0] * stride[0]; }
-  index fold(int a, index i) const {  // of a node outside: the one it repeats, or its mirror image
+  index fold(int a, index i) const {  // for a node outside, the one that it repeats, or its mirror image
     const index n = shape[a];
     if (periodic[a]) return i < 0 ? i + n : (i >= n ? i - n : i);
     const index low = a == 0 ? begin : 0, high = a == 0 ? end : n;
     const index image = i < low ? 2 * low - 1 - i : (i >= high ? 2 * high - 1 - i : i);
-    return std::clamp<index>(image, 0, n - 1);  // of what lies beyond a wall, and of one node between two
+    return std::clamp<index>(image, 0, n - 1);  // an image may lie beyond the tank, or behind another wall
   }
-  Room room(double x, index top) const { return room_beside<D>(gates, h, shape[0], periodic[0], x, top); }
-  // Whether a gate stands between two points of which one lies above its lower edge. to: where the way leads, if need
-  // be beyond the end of a periodic axis.
+  Compartment compartment(double x, index top) const {
+    return compartment_beside<D>(gates, h, shape[0], periodic[0], x, top);
+  }
+  // True if a gate stands between two points, at least one of which lies above its lower edge. `to` may lie beyond the
+  // end of a periodic axis.
   bool parted(const double* from, const double* to) const {
     const double height = std::max(from[D - 1], to[D - 1]);
     const double length = periodic[0] ? h[0] * static_cast<double>(shape[0]) : 0.0;
@@ -62,7 +64,7 @@ struct Lattice {
     }
     return way;
   }
-  double scaled(int a, double x) const {  // in spacings; what is not a number counts as 0, not as a place in memory
+  double scaled(int a, double x) const {  // x in spacings; NaN counts as 0, for the result leads to a place in memory
     const double s = x / h[a];
     return s > 0.0 ? std::min(s, static_cast<double>(shape[a])) : 0.0;
   }
@@ -101,10 +103,10 @@ template <int D>
 struct LatticeStencil {
   index at[D][4];
   double w[D][4], reach[D][4];
-  Room room;  // to nodes behind a gate their mirror images are preferred: all rows alike, that none gets round the edge
+  Compartment compartment;  // a node behind a gate is replaced by its mirror image, in all rows alike
 
   LatticeStencil(const Lattice<D>& l, const double* x) {
-    if (l.gates.count) room = l.room(x[0], floor_index(l.scaled(D - 1, x[D - 1]) - 0.5) + 2);
+    if (l.gates.count) compartment = l.compartment(x[0], floor_index(l.scaled(D - 1, x[D - 1]) - 0.5) + 2);
     for (int a = 0; a < D; ++a) {
       const double s = l.scaled(a, x[a]) - 0.5, base = std::floor(s);
       M4PrimeKernel::weights(s, static_cast<index>(base) - 1, 0.0, w[a], nullptr);
@@ -115,14 +117,14 @@ struct LatticeStencil {
       }
     }
   }
-  // The nodes behind an interface parallel to the grid are replaced by their mirror images in front of it, on the side
-  // of x; false if it is not parallel. A node lies behind where its centre does.
+  // Replaces the nodes behind an interface parallel to the grid by their mirror images in front of it, on the side of
+  // x; false, and nothing is done, if it is not parallel. A node lies behind if its centre does.
   bool mirror(const Lattice<D>& l, const Interface<D>& interface, const double* x) {
     const int a = interface.axis();
     if (a < 0) return false;
     const double place = interface.normal[a] * interface.offset / l.h[a];
-    const index first = static_cast<index>(std::ceil(place - 0.5 - 1e-6));  // node above it
-    const index own = static_cast<index>(l.scaled(a, x[a]));                // of the half cell of x
+    const index first = static_cast<index>(std::ceil(place - 0.5 - 1e-6));  // the first node above the interface
+    const index own = static_cast<index>(l.scaled(a, x[a]));                // the node whose half cell holds x
     for (int k = 0; k < 4; ++k) {
       const index i = between_gates(a, static_cast<index>(std::floor(l.scaled(a, x[a]) - 0.5)) + k - 1);
       if ((i < first) == (own < first)) continue;
@@ -132,7 +134,7 @@ struct LatticeStencil {
     }
     return true;
   }
-  index between_gates(int a, index i) const { return a == 0 ? room.image(i) : i; }
+  index between_gates(int a, index i) const { return a == 0 ? compartment.image(i) : i; }
   template <class Visit>
   void each(Visit visit) const {  // visit(node, weight, k): k[a] is the place 0..3 of the node on axis a
     int k[D];

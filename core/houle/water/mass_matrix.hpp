@@ -21,9 +21,9 @@ class MassMatrix {
 
   const Grid<D>& grid() const { return grid_; }
 
-  // velocity and mass (faces): what to_faces() gives with the linear kernel, and order - 1 times add_residual() after
-  // it. work (faces): work space; lent: some more for the matrix, which has memory of its own only if that is too
-  // small.
+  // The transfer: velocity and mass (faces) as to_faces() gives them with the linear kernel, with order - 1 times
+  // add_residual() after it. work (faces): work space; lent: more of it for the matrix, which takes memory of its own
+  // only if that is too small.
   void transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass, Faces<D> work,
                 std::span<double> lent) {
     find_tops(cloud.start);
@@ -43,16 +43,16 @@ class MassMatrix {
   static constexpr int up = D - 1, links = D == 2 ? 5 : 14, corners = 1 << D;
 
   struct Row {
-    index first;   // of its nodes in each array
+    index first;   // place of its first node in each array
     index height;  // nodes, from the bottom
   };
 
-  // What loops know of the matrix of one axis, and its product with a field.
+  // The matrix of one axis as loops know it, and its product with a field.
   struct Links {
     Grid<D> grid;
-    std::array<index, D> shape{};  // of the faces
-    index line = 0;                // entries of a row of faces; of these, nodes of their own:
-    index around = 0;
+    std::array<index, D> shape{};  // shape of the faces
+    index line = 0;                // faces in a row
+    index around = 0;              // nodes in a row: on a periodic axis the last face is no node of its own
     const Row* row = nullptr;
     double* store = nullptr;  // momentum sum_p m_p w_fp u_p, then the links: arrays of `nodes`
     index nodes = 0;
@@ -103,7 +103,7 @@ class MassMatrix {
   };
 
   Grid<D> grid_;
-  std::vector<std::int32_t> top_;  // of each row of cells: one more than the highest cell with particles
+  std::vector<std::int32_t> top_;  // one more than the highest cell with particles, for each row of cells
   std::vector<Row> rows_;
   std::vector<double> own_;  // memory of the matrix where none is lent
   Links now_;                // the matrix of the present axis
@@ -199,7 +199,7 @@ class MassMatrix {
             reach[b].weight[1] = 0.0;
           }
         });
-        bool stored = true;  // what it reaches: all, if it lies in the cell where `start` has it
+        bool stored = true;  // all nodes it reaches have a place: so if it lies in the cell where `start` has it
         unrolled<corners>([&](auto c) {
           index row = 0;
           each_of<D>([&](auto b) {

@@ -6,7 +6,8 @@
 
 namespace houle {
 
-// The node that holds most among the others in sight within `radius` nodes that may(what they hold); -1: none
+// The fullest node but `node` itself, within `radius` nodes and in its sight, for which may(what it holds) is true; -1:
+// none.
 template <int D, class May>
 inline index fullest_neighbour(const Lattice<D>& l, const Pores<D>& pores, index node, index radius,
                                const std::int32_t* number, const Gathered<D>* nodes, May may) {
@@ -22,7 +23,7 @@ inline index fullest_neighbour(const Lattice<D>& l, const Pores<D>& pores, index
   return best;
 }
 
-// All that `given` at node `from` has goes to `taken` at node `onto`, with its centre where it was.
+// Hands all that `given` at node `from` has to `taken` at node `onto`: its water stays centred where it was.
 template <int D>
 inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D>& given, Gathered<D>& taken) {
   const auto way = l.way(onto, from);
@@ -31,8 +32,9 @@ inline void hand_over(const Lattice<D>& l, index from, index onto, Gathered<D>& 
   given = {};  // so that nobody hands anything to it any more
 }
 
-// A node still in debt is paid off by the fullest node in sight that has amply more than the debt, however far: rare,
-// so one by one. Its volume can be in debt and its bulk not, where the porosity changes.
+// Lets the fullest node in sight that has more than four times the debt of node r pay it off, however far it is.
+// Returns false if there is none. Rare, so one node after the other. The volume can be in debt where the bulk is not,
+// if the porosity changes.
 template <int D>
 inline bool repay(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, index r, Gathered<D>* nodes) {
   const std::int32_t* number = receivers.number;
@@ -47,8 +49,8 @@ inline bool repay(const Lattice<D>& l, const Pores<D>& pores, const Receivers& r
   return false;
 }
 
-// Where no node has so much the nearest give the debtor all they have, until it owns amply more than it owed: the water
-// of a drop or a tip in one particle, if need be.
+// Pays off a debt that no single node can: the nearest nodes give the debtor all they have, until it owns three times
+// what it owed. The water of a drop or a tip then ends in one particle, if need be.
 template <int D>
 inline void collect(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, index r,
                     Gathered<D>* nodes) {

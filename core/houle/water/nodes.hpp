@@ -1,5 +1,5 @@
-// What remeshing works on: the particles, the pores around the nodes of the lattice, the nodes that receive, what they
-// hold.
+// The parts that remeshing works on: the particles, the pores around the nodes of the lattice, the nodes that receive,
+// and what these hold.
 #pragma once
 
 #include <houle/exec/scan.hpp>
@@ -19,12 +19,12 @@ struct ParticleView {
 template <int D>
 struct Pores {
   Listed cells;             // porosity at the cell centres, between which it is linear; null: 1
-  const std::int8_t* body;  // of each half cell: negative in solids
-  Interfaces<D> media{};    // across which the velocity along them is not handed,
-  bool along = true;        // unless what the particles carry goes with the water itself
-  bool solid = true;        // whether there are half cells in solids
+  const std::int8_t* body;  // number of the body in each half cell: negative in solids
+  Interfaces<D> media{};    // interfaces: velocity along one is not handed across,
+  bool along = true;        // false: it is, as for what goes with the water itself
+  bool solid = true;        // true: some half cells lie in solids
 
-  bool closed(const Lattice<D>& l, index node) const {  // in a solid, or not between the walls
+  bool closed(const Lattice<D>& l, index node) const {  // true in a solid, and outside the walls
     return body[node] < 0 || node < l.begin * l.stride[0] || node >= l.end * l.stride[0];
   }
   const Interface<D>* near(const Lattice<D>& l, const double* x) const {  // nearest to the centre of the cell of x
@@ -63,8 +63,8 @@ struct ParticleArrays {
   explicit ParticleArrays(index n) : x(n * D), u(n * D), volume(n) {}
 };
 
-// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D. stays: of each particle,
-// whether it gives nothing; null: all give.
+// Bulk volume that reaches each node, as a fraction of its half cell: sum_p (V/n) M4' / h^D. stays (n,): 1 for
+// particles that give nothing; null: all give.
 template <int D>
 inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs, const ParticleView<D>& p,
                                      const unsigned char* stays = nullptr) {
@@ -81,11 +81,12 @@ inline std::vector<double> node_fill(const Lattice<D>& l, const Slabs<D>& slabs,
 // The nodes that may hold a particle, in memory order. number[node] is -1 for the others.
 struct Receivers {
   const std::int32_t *number = nullptr, *node = nullptr;
-  const double* porosity = nullptr;  // of their half cells; null: 1
+  const double* porosity = nullptr;  // porosity of their half cells; null: 1
   index count = 0;
 };
 
-// The memory of these tables. pores null: no node is closed.
+// The memory of the tables of Receivers: the nodes with a fill of `threshold` or more that are not closed. pores null:
+// no node is closed.
 class ReceiverTables {
  public:
   template <int D>
@@ -98,11 +99,11 @@ class ReceiverTables {
     if (around.cells) porosity_.resize(node_.size());
     std::int32_t* numbers = number_.data();
     const std::int32_t* nodes = node_.data();
-    double* room = around.cells ? porosity_.data() : nullptr;
+    double* porosity = around.cells ? porosity_.data() : nullptr;
     parallel_for(l.nodes(), [=](index i) { numbers[i] = -1; });
     parallel_for(static_cast<index>(node_.size()), [=](index r) {
       numbers[nodes[r]] = static_cast<std::int32_t>(r);
-      if (room) room[r] = around.porosity(l, nodes[r]);
+      if (porosity) porosity[r] = around.porosity(l, nodes[r]);
     });
   }
   Receivers all() const {
@@ -115,7 +116,7 @@ class ReceiverTables {
   std::vector<double> porosity_;
 };
 
-// What a node was given.
+// The water that a node was given: sums over the particles that gave to it.
 template <int D>
 struct Gathered {
   double volume = 0, bulk = 0;  // V, V/n
@@ -127,7 +128,7 @@ struct Gathered {
     for (int a = 0; a < D; ++a) momentum[a] = p.volume[i] * p.u[i * D + a];
   }
 
-  bool sound() const { return bulk > 0 && volume > 0; }  // debts: the negative lobes of M4' in thin water
+  bool sound() const { return bulk > 0 && volume > 0; }  // else in debt, by the negative lobes of M4' in thin water
   bool nothing() const {
     double sum = std::abs(volume) + std::abs(bulk);
     for (int a = 0; a < D; ++a) sum += std::abs(momentum[a]) + std::abs(moment[a]);
@@ -153,7 +154,7 @@ constexpr double see = 0.5;      // weights a particle must see, else all goes t
 constexpr index far = 32;        // nodes from which a debt is paid, or a moment taken, at most
 }  // namespace remesh
 
-// Whether neither a solid half cell nor a gate stands between two nodes.
+// True if neither a solid half cell nor a gate stands between two nodes.
 template <int D>
 inline bool in_sight(const Lattice<D>& l, const Pores<D>& pores, index from, index onto) {
   const auto way = l.way(from, onto);

@@ -1,4 +1,4 @@
-// Where the new particles are put: at the centre of the water that their node was given, as far as they may lie there.
+// Places of the new particles: each at the centre of the water that its node was given, as far as it may lie there.
 #pragma once
 
 #include <houle/water/nodes.hpp>
@@ -6,7 +6,7 @@
 
 namespace houle {
 
-// Where particles may be: in the tank, between the walls, in the pores, outside of the solids.
+// The space where particles may be: in the tank, between the walls, in the pores, outside of the solids.
 template <int D>
 struct Space {
   Grid<D> grid;
@@ -20,7 +20,7 @@ struct Space {
     return !pores.closed(l, l.half_cell(x));
   }
   bool holds(const double* x) const { return in_pores(x) && !in_solid(grid, solids, x); }
-  void move(double* x, double step, const double* way) const {  // around periodic axes
+  void move(double* x, double step, const double* way) const {  // x += step * way, around periodic axes
     for (int a = 0; a < D; ++a) {
       x[a] += step * way[a];
       wrap(a, x[a]);
@@ -32,9 +32,8 @@ struct Space {
   }
 };
 
-// Position of the particle of a node: where its water came from on average, at most a spacing off, never in a solid nor
-// beyond a gate.
-// On return its moment is what this takes from V x: zero but for the particle that is held back.
+// Finds the position x of the particle of a node: where its water came from on average, at most a spacing off, never in
+// a solid nor beyond a gate. On return its moment is what this takes from V x: zero unless the particle is held back.
 template <int D>
 inline void place(const Space<D>& space, index node, Gathered<D>& g, double* x) {
   const Lattice<D>& l = space.l;
@@ -61,8 +60,8 @@ inline void place(const Space<D>& space, index node, Gathered<D>& g, double* x) 
   for (int a = 0; a < D; ++a) g.moment[a] = g.volume * (right[a] - lies[a] + (before[a] - x[a]));
 }
 
-// What one of the held back particles takes from the moment goes to those around it, which all move by the same
-// fraction of a spacing: the nearest that may all go there and are enough.
+// Hands the moment that a held back particle takes to particles around it, which all move by the same fraction of a
+// spacing: the nearest that may all go there and are enough.
 template <int D>
 class MomentTakers {
  public:
@@ -92,7 +91,7 @@ class MomentTakers {
  private:
   const Space<D>& space_;
   Receivers receivers_;
-  std::vector<std::int32_t> place_, found_;  // of each receiver, number of its particle or -1; those that may move
+  std::vector<std::int32_t> place_, found_;  // number of the particle of each receiver, -1: none; those that may move
   ParticleArrays<D>& p_;
 
   bool can_go(index i, double step, const double* way) const {

@@ -17,7 +17,7 @@
 
 namespace houle {
 
-// The nodes to which a particle beside an interface gives its momentum along that: those of its own side.
+// The nodes to which a particle beside an interface gives its momentum along the interface: those of its own side.
 template <int D>
 struct Aside {
   const Interface<D>* at = nullptr;  // null: far from any
@@ -28,16 +28,16 @@ struct Aside {
       : at(pores.near(l, x)), nodes(s) {
     if (at) parallel = nodes.mirror(l, *at, x);
   }
-  bool has(const double* x, const int* k) const {  // whether node k, one place per axis, lies on the side of x
+  bool has(const double* x, const int* k) const {  // true if node k, one place per axis, lies on the side of x
     double node[D];
     for (int a = 0; a < D; ++a) node[a] = x[a] + nodes.reach[a][k[a]];
     return parallel || at->beyond(node) == at->beyond(x);
   }
 };
 
-// The nodes around a particle that it can give to: those that open half cells join with its own among them. So nothing
-// is given through a plate, nor past the corner of one. A set of bits, one for each place on the axes, the last axis
-// first.
+// The nodes that a particle can give to: those around it that a chain of open half cells, all of them among these
+// nodes, joins with its own. So nothing is given through a plate, nor past the corner of one. The nodes are a set of
+// bits, one for each place on the axes, the last axis first.
 template <int D>
 struct Joined {
   static constexpr std::uint64_t everywhere = ~std::uint64_t{0} >> (64 - (1 << 2 * D));
@@ -76,17 +76,18 @@ struct Joined {
 };
 
 // Takes the momentum along the interface out of what a particle at x has to give, and gives it to the nodes of its own
-// side; where hardly any of those receive it stays with the rest. joined: of the nodes of `aside`.
-template <int D, class Room>
+// side. If hardly any of those receive, it stays with the rest. joined: the nodes of `aside` that the particle can give
+// to. capacity(node): the weight with which a node receives, its porosity.
+template <int D, class Capacity>
 inline void give_along(const Receivers& receivers, const Aside<D>& aside, const Joined<D>& joined, const double* x,
-                       Gathered<D>& g, Room room, Gathered<D>* nodes) {
+                       Gathered<D>& g, Capacity capacity, Gathered<D>* nodes) {
   const std::int32_t* number = receivers.number;
   const auto sees = [&](index node, const int* k) { return number[node] >= 0 && joined.has(k); };
   double sum = 0, all = 0;
   aside.nodes.each([&](index node, double w, const int* k) {
     if (!sees(node, k)) return;
-    all += std::abs(w) * room(node);
-    if (aside.has(x, k)) sum += w * room(node);
+    all += std::abs(w) * capacity(node);
+    if (aside.has(x, k)) sum += w * capacity(node);
   });
   if (!(sum > remesh::weigh * all)) return;
   double along[D];
@@ -96,13 +97,13 @@ inline void give_along(const Receivers& receivers, const Aside<D>& aside, const 
   }
   aside.nodes.each([&](index node, double w, const int* k) {
     if (!sees(node, k) || !aside.has(x, k)) return;
-    for (int a = 0; a < D; ++a) nodes[number[node]].momentum[a] += w * room(node) / sum * along[a];
+    for (int a = 0; a < D; ++a) nodes[number[node]].momentum[a] += w * capacity(node) / sum * along[a];
   });
 }
 
-// Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is.
-// Where the porosity varies among them they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay
-// full. A particle among nodes that differ so much that the negative lobes of M4' outweigh the rest gives to one.
+// Gives particle i to the receivers around it; false where none is near (spray): the particle then stays as it is. If
+// the porosity varies among them, they receive in proportion to it, M4'_i n_i / sum_j M4'_j n_j: full pores stay full.
+// If porosities differ so much that the negative lobes of M4' outweigh the rest, the nearest node gets all.
 template <int D>
 inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers& receivers, const ParticleView<D>& p,
                  index i, Gathered<D>* nodes) {
@@ -115,11 +116,11 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers& re
   const std::int32_t* number = receivers.number;
   const double* porosity = receivers.porosity;
   const auto receives = [=](index node) { return number[node] >= 0; };
-  const auto room = [=](index node) { return porosity ? porosity[number[node]] : 1.0; };
-  const double own = receives(home) ? room(home) : pores.porosity(l, home);
+  const auto capacity = [=](index node) { return porosity ? porosity[number[node]] : 1.0; };
+  const double own = receives(home) ? capacity(home) : pores.porosity(l, home);
   bool all = true;
   const Aside<D> aside(l, pores, s, x);
-  s.each([&](index node, double, const int*) { all = all && receives(node) && room(node) == own; });
+  s.each([&](index node, double, const int*) { all = all && receives(node) && capacity(node) == own; });
   if (all && !aside.at) {
     for (int a = 0; a < D; ++a)
       for (int k = 0; k < 4; ++k) g.moment[a] -= g.volume * s.w[a][k] * s.reach[a][k];
@@ -135,7 +136,7 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers& re
   s.each([&](index node, double w, const int* k) {
     if (!sees(node, k)) return;
     seen += w;
-    w *= room(node);
+    w *= capacity(node);
     sum += w;
     double distance = 0;  // squared, in lattice spacings
     for (int a = 0; a < D; ++a) {
@@ -152,10 +153,10 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers& re
     for (int a = 0; a < D; ++a) g.moment[a] = -g.volume * centre[a] / sum;
     if (aside.at && pores.along) {
       const Joined<D> own_side(l, pores, aside.nodes, home);
-      give_along(receivers, aside, own_side, x, g, room, nodes);
+      give_along(receivers, aside, own_side, x, g, capacity, nodes);
     }
     s.each([=](index node, double w, const int* k) {
-      if (sees(node, k)) nodes[number[node]].take(w * room(node) / sum, g);
+      if (sees(node, k)) nodes[number[node]].take(w * capacity(node) / sum, g);
     });
     return true;
   }
@@ -165,15 +166,16 @@ inline bool give(const Lattice<D>& l, const Pores<D>& pores, const Receivers& re
   return true;
 }
 
-// What the nodes were given, and what of the old particles gave nothing: all that remeshing needs when it has done.
+// The water after it was shared out: what the nodes were given, and which old particles gave nothing.
 template <int D>
 struct Shared {
   ReceiverTables tables;
   std::vector<Gathered<D>> gathered;  // by each receiver
-  std::vector<std::int32_t> from;  // of the new particles: number of the receiver, then count + number of the old one
+  std::vector<std::int32_t> from;     // source of each new particle: its receiver, or count + the number of an old one
 };
 
-// stays: of each particle, whether it must give nothing; on return, whether it gave nothing.
+// Shares the water out to the nodes. stayed (n,): on entry 1 for particles that must give nothing; on return 1 for all
+// that gave nothing.
 template <int D>
 inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const ParticleView<D>& p,
                            std::vector<unsigned char>& stayed) {
@@ -192,7 +194,7 @@ inline Shared<D> share_out(const Lattice<D>& l, const Pores<D>& pores, const Par
   return shared;
 }
 
-// The particles of the nodes, each where it may lie, then the old ones that gave nothing.
+// The new particles: those of the nodes, each where it may lie, then the old ones that gave nothing.
 template <int D>
 inline ParticleArrays<D> placed(const Space<D>& space, Shared<D>& shared, const ParticleView<D>& p) {
   const Receivers receivers = shared.tables.all();
@@ -213,15 +215,15 @@ inline ParticleArrays<D> placed(const Space<D>& space, Shared<D>& shared, const 
   return out;
 }
 
-// Gives what the held back particles take from the moment to those around them. Returns the nodes whose particle is in
+// Gives the moments that held back particles take to the particles around them. Returns the nodes whose particle is in
 // debt, or has a moment that nobody can take.
 template <int D>
-inline std::vector<index> settle(const Space<D>& space, const Shared<D>& shared, ParticleArrays<D>& out) {
+inline std::vector<index> give_back(const Space<D>& space, const Shared<D>& shared, ParticleArrays<D>& out) {
   const Receivers receivers = shared.tables.all();
   const index size = static_cast<index>(shared.from.size()), count = receivers.count;
   const std::int32_t* source = shared.from.data();
   const Gathered<D>* nodes = shared.gathered.data();
-  const auto held = parallel_where(size, [=](index i) {
+  const auto held_back = parallel_where(size, [=](index i) {
     if (source[i] >= count) return false;
     const Gathered<D>& g = nodes[source[i]];
     double sum = 0;
@@ -229,16 +231,16 @@ inline std::vector<index> settle(const Space<D>& space, const Shared<D>& shared,
     return !(g.sound() && sum == 0);
   });
   std::vector<index> open;
-  if (held.empty()) return open;
+  if (held_back.empty()) return open;
   MomentTakers<D> takers(space, receivers, shared.from, out);
-  for (index i : held) {
+  for (index i : held_back) {
     const Gathered<D>& g = nodes[source[i]];
     if (!(g.sound() && takers.take(source[i], g.moment))) open.push_back(receivers.node[source[i]]);
   }
   return open;
 }
 
-// The particles within `radius` nodes of one of the nodes are to stay as they are.
+// Marks the particles within `radius` nodes of one of the nodes: they are to stay as they are.
 template <int D>
 inline void leave_as_they_are(const Lattice<D>& l, const std::vector<index>& nodes, index radius,
                               const ParticleView<D>& p, std::vector<unsigned char>& stayed) {
@@ -263,16 +265,15 @@ inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>
   for (index radius = 4;; radius *= 2) {
     Shared<D> shared = share_out(l, pores, p, stayed);
     ParticleArrays<D> out = placed(space, shared, p);
-    const std::vector<index> open = settle(space, shared, out);
+    const std::vector<index> open = give_back(space, shared, out);
     if (open.empty() || radius > 2 * all) return out;
     leave_as_they_are(l, open, radius, p, stayed);
   }
 }
 
 // The paper's remeshing, eqs (6)-(7) with V_j inside the sum and tensor weights: a full particle, V = n h^D, on every
-// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. Blind to solids, not to
-// gates. Water is not conserved: every remeshing moves the surface to the outermost node that any particle reaches,
-// which raises it.
+// node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. It heeds gates but no solids. Water
+// is not conserved: each time, the surface rises to the outermost node that any particle reaches.
 template <int D>
 inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, const ParticleView<D>& p,
                                       double threshold) {
@@ -290,7 +291,7 @@ inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, c
       if (number[node] >= 0) nodes[number[node]].take(w, g);
     });
   });
-  double least = 1.0;  // porosity: the mean of a node, with weights of both signs, is kept within those there are
+  double least = 1.0;  // porosity: a mean with weights of both signs is clamped to the values there are
   for (index i = 0; p.porosity && i < p.n; ++i) least = std::min(least, p.porosity[i]);
   ParticleArrays<D> out(receivers.count);
   const std::int32_t* node = receivers.node;

@@ -10,13 +10,14 @@
 
 namespace houle {
 
-// An edge of the section (x, z) of the solids, which lie on its left: its ends, and there the outward directions that
-// tell inside from outside for points whose nearest point is a corner (mean normal of the two edges that meet).
+// An edge of the section (x, z) of the solids, which lie on its left: its two ends [m], and at each end the outward
+// direction (mean normal of the two edges that meet there). That tells inside from outside for points whose nearest
+// point is a corner.
 struct SolidEdge {
   double end[2][2], outward[2][2];
 };
 
-// The sections of the solids in layers of y, one in 2D, inside which they do not change.
+// The solids of a tank, as sections (x, z) of layers of y, inside which they do not change; one layer in 2D.
 template <int D>
 struct Solids {
   const std::int64_t* start = nullptr;   // (layers nx nz + 1): where in `number` the list of a cell of a section begins
@@ -41,7 +42,8 @@ inline void bring_into_tank(const Grid<D>& g, double* x) {
   }
 }
 
-// How deep a point of a section lies in the solids, 0 outside, and the nearest point outside, `margin` beyond the edge.
+// The way out of the solids from a point of a section: its depth in them [m], 0 outside, and the nearest point outside,
+// `margin` beyond the edge.
 struct WayOut {
   double depth = 0.0, to[2] = {};
 };
@@ -77,7 +79,7 @@ inline WayOut way_out(const Grid<D>& g, const Solids<D>& solids, int layer, cons
   return found;
 }
 
-// The section that holds a point.
+// The layer that holds a point.
 template <int D>
 inline int layer_of(const Solids<D>& solids, const double* x) {
   int layer = 0;
@@ -86,7 +88,7 @@ inline int layer_of(const Solids<D>& solids, const double* x) {
   return layer;
 }
 
-// Whether a point in the tank lies in a solid.
+// True if a point in the tank lies in a solid.
 template <int D>
 inline bool in_solid(const Grid<D>& g, const Solids<D>& solids, const double* x) {
   if (!solids.edge) return false;
@@ -134,8 +136,8 @@ inline void leave_solids(const Grid<D>& g, const Solids<D>& solids, double* x) {
   x[up] = out.to[1];
 }
 
-// The same for a particle that came from `from`, on its side of the gates: in the corner between a gate and a solid to
-// and fro; where that leads nowhere, it stays where it was.
+// Takes a particle at x that came from `from` to the nearest place outside the solids on its side of the gates: in the
+// corner between a gate and a solid to and fro. If that leads nowhere, it stays where it was.
 template <int D>
 inline void leave_solids(const Grid<D>& g, const Solids<D>& solids, const Gates& gates, const double* from, double* x) {
   leave_solids(g, solids, x);
@@ -161,7 +163,7 @@ template <int D>
 struct ClosedFace {
   double normal[D];   // outwards from the solid
   double outside[D];  // point in the water, one spacing from where that normal leaves the solid
-  double depth;       // of the face's centre in the solid, in spacings
+  double depth;       // depth of the face's centre in the solid [spacings]
 };
 
 // The closed faces of each axis: their numbers in the field, and what stands there.
@@ -172,9 +174,10 @@ struct ClosedFaces {
   const ClosedFace<D>* at[D] = {};
 };
 
-// Along the normal of a solid the velocity is linear, from that in the water one spacing away to 0 on the outline, and
-// goes on so behind it: else what is carried into the solid from the water would drive the particles onto it. Along
-// the outline the values of the closed faces stay. In place.
+// Stops the velocity u on the closed faces at the outline of the solids, in place. Along the normal of a solid it is
+// linear, from that in the water one spacing away to 0 on the outline, and goes on so behind it: else the velocity
+// carried into the solid from the water would drive particles onto it. Along the outline the values of the closed faces
+// stay.
 template <int D>
 inline void stop_at_solids(const Grid<D>& g, const ClosedFaces<D>& closed, Faces<D> u) {
   const auto stride = face_strides(g);

@@ -14,8 +14,8 @@
 
 namespace houle {
 
-// W(r) of compact support `radius`, integral 1 in D dimensions; slope is -W'(r)/r >= 0, finite at r = 0, so that
-// grad_i W(x_i - x_j) = -slope (x_i - x_j).
+// A kernel is a function W(r) of compact support `radius` whose integral is 1 in D dimensions. Its slope is -W'(r)/r >=
+// 0, finite at r = 0, so that grad_i W(x_i - x_j) = -slope (x_i - x_j).
 
 // The quintic kernel of Wendland (1995): W ~ (1 - q)^4 (1 + 4 q), q = r / radius.
 struct WendlandC2 {
@@ -49,7 +49,7 @@ struct TruncatedGaussian {
   double slope(double r) const { return 2 * inverse * inverse * value(r); }
 };
 
-// What particles see behind a wall: nothing, or images that slip along it or do not.
+// The water behind a wall, as particles see it: none (free), or mirror images that slip along the wall or do not.
 enum class Wall { free, slip, no_slip };
 
 // The walls of each axis: lower side, upper side; unused on periodic axes.
@@ -67,7 +67,7 @@ struct Neighbours {
   const double* x = nullptr;            // (n, D)
   const std::int32_t* start = nullptr;  // (cells + 1,)
 
-  struct Image {               // how the particles of a cell are seen
+  struct Image {               // the particles of a cell as seen across walls and periodic ends
     double sign[D], shift[D];  // position: sign x + shift
     double velocity[D];        // velocity: component times this
   };
@@ -150,10 +150,10 @@ inline void density_sum(const Neighbours<D>& near, const Kernel& kernel, const d
       64);
 }
 
-// out (n, D): sum_j K nu_ij ((u_j - u_i).r / |r|^2) grad_i W B_j, K = 2 (D + 2), the viscous term of paper eq. (3),
-// with nu_ij = (nu_i + nu_j)/2. For smooth fields this is div(nu (grad u + grad u^T)) + grad(nu div u): the viscous
-// force of a flow without divergence for any nu(x). The harmonic mean agrees with it for smooth nu, but lets an eddy
-// viscosity that vanishes at one particle switch off the exchange of momentum with all its neighbours.
+// The viscous term of paper eq. (3), out (n, D) [m/s2]: sum_j K nu_ij ((u_j - u_i).r / |r|^2) grad_i W B_j with K = 2
+// (D + 2) and nu_ij = (nu_i + nu_j)/2. For smooth fields this is div(nu (grad u + grad u^T)) + grad(nu div u): the
+// viscous force of a flow without divergence for any nu(x). The harmonic mean agrees with it for smooth nu, but lets an
+// eddy viscosity that vanishes at one particle switch off the exchange of momentum with all its neighbours.
 template <int D, class Kernel>
 inline void viscous_acceleration(const Neighbours<D>& near, const Kernel& kernel, const double* u, const double* bulk,
                                  const double* nu, double* out) {
@@ -174,7 +174,8 @@ inline void viscous_acceleration(const Neighbours<D>& near, const Kernel& kernel
       64);
 }
 
-// m <- inverse of m (D x D, symmetric positive), false if its condition is worse than about 1e6
+// Replaces m (D x D, symmetric positive) by its inverse; false, and m as it was, if its condition is worse than about
+// 1e6.
 template <int D>
 inline bool invert(double (&m)[D][D]) {
   double trace = 0, c[D][D], det;
@@ -196,9 +197,9 @@ inline bool invert(double (&m)[D][D]) {
   return true;
 }
 
-// out (n, D, D): d u_a / d x_b, exact for linear fields whatever the particles (Randles & Libersky 1996); zero where
-// they are too few or in line. Mirror images would bend a linear field: call with free walls, the correction needs
-// none.
+// Velocity gradient d u_a / d x_b at the particles, out (n, D, D), exact for linear fields whatever the particles
+// (Randles & Libersky 1996); zero where they are too few or in line. Mirror images would bend a linear field: call with
+// free walls, the correction needs none.
 template <int D, class Kernel>
 inline void velocity_gradient(const Neighbours<D>& near, const Kernel& kernel, const double* u, const double* bulk,
                               double* out) {

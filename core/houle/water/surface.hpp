@@ -1,4 +1,5 @@
-// Where the water is: fill fraction of the cells, the free surface cutting the grid, cells the pressure lives in.
+// The water on the grid: fill fraction of the cells, the free surface that cuts them, the active cells, which have a
+// pressure.
 #pragma once
 
 #include <limits>
@@ -53,7 +54,8 @@ inline void column_heights(const Grid<D>& g, const std::int32_t* start, const do
   });
 }
 
-// Whether a gate stands on a face of the first axis, above at least one of two levels [m], or at any that is NaN.
+// True if a gate stands on the face of the first axis at x [m] and reaches below at least one of two water levels [m].
+// It reaches below a level that is NaN, too.
 inline bool gate_between(const Gates& gates, double x, double spacing, double level, double other) {
   for (int k = 0; k < gates.count; ++k) {
     const Gate& gate = gates.gate[k];
@@ -62,14 +64,18 @@ inline bool gate_between(const Gates& gates, double x, double spacing, double le
   return false;
 }
 
-// From the fill fraction of every cell: depth (cells), active (cells) and the free surface of every column.
+// Finds the free surface from the fill fraction of every cell: depth (cells), the depth of the cell centres below it
+// [cells], active (cells), 1 where a centre is under water, and the level of each column.
 //
 // Where a column is single-valued (full below, empty above) and no steeper than 45 degrees (gates apart), its surface
-// lies where the water of the whole column fills it: exact for the volume, and it answers a rise of any size, however
-// small beside the cell, which the fill of single cells does not (docs/decisions/0001). Elsewhere the depth comes from
-// each cell's fill. level (columns) [m]: to which its water fills each column: of column_heights where porosity and
-// openness are the same all around, else of column_levels. open (cells): 0 marks cells closed by solids. column, eta
-// (grid.shape[:-1]): work space; level of the surface above z = 0 [m], NaN where dry.
+// lies where the water of the whole column fills it. That is exact for the volume, and it answers a rise of any size,
+// however small beside the cell, which the fill of single cells does not (docs/decisions/0001). Elsewhere the depth
+// comes from each cell's fill.
+//
+// open (cells): share of each cell that solids leave open. level (columns) [m]: the level to which its water fills each
+// column, from column_heights() where porosity and openness are the same all around, else from column_levels(). Out:
+// column (columns), level of single-valued columns [cells], NaN in others; eta (columns), level of the surface above z
+// = 0 [m], NaN where dry.
 template <int D>
 inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level,
                          const Gates& gates, double* depth, std::uint8_t* active, double* column, double* eta) {
@@ -81,7 +87,7 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
     while (k < nz && open[c * nz + k] <= 0.0) ++k;
     return k;
   };
-  // level of the water in a single-valued column, in cells; NaN where there is no such thing
+  // level of the water in a single-valued column, in cells; NaN in any other
   parallel_for(
       columns,
       [=](index c) {
@@ -143,7 +149,7 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
       64);
 }
 
-// Whether there is water in row `row` of the cells, counted upwards, or above.
+// True if there is water in row `row` of the cells, counted upwards, or above.
 template <int D>
 inline bool water_above(const Grid<D>& g, const double* fill, index row) {
   const index nz = g.shape[D - 1];
@@ -153,9 +159,10 @@ inline bool water_above(const Grid<D>& g, const double* fill, index row) {
          }) > 0.0;
 }
 
-// The place of the surface between an active cell and its air neighbour, in cells from the active centre (ghost fluid,
-// Gibou 2002). The depth of the centre counts as `least` at least, which bounds the coefficient; on all faces of the
-// cell alike, so that its pressure is that of this depth and pushes to the side no more than the slope of the surface.
+// Place of the surface: its distance from an active centre towards its neighbour in air, in cells, at most 1 (ghost
+// fluid, Gibou 2002). d_water, d_air: depths of the two centres [cells]. The depth of the active centre counts as
+// `least` at least, which bounds the coefficient on all faces of the cell alike: its pressure is that of this depth,
+// and pushes to the side no more than the slope of the surface.
 inline double surface_fraction(double d_water, double d_air, double least) {
   const double depth = d_water < least ? least : d_water, theta = depth / (depth - d_air);
   return theta > 1.0 ? 1.0 : theta;
@@ -182,17 +189,17 @@ inline bool all_around(const Grid<D>& g, index c, F&& f) {
   return true;
 }
 
-// Whether there is no air in a cell nor in any that touches it.
+// True if there is no air in a cell nor in any that touches it, be it at a corner. A closed cell has none.
 template <int D>
 inline bool without_air(const Grid<D>& g, const std::uint8_t* active, const Listed& open, index c) {
   return all_around(g, c, [=](index n) { return active[n] || open[n] <= 0.0; });
 }
 
-// The place of a particle in a cell; a hole is what lacks that.
+// Share of a cell that is the place of one particle: 2^D fill it. A cell that lacks so much has a hole.
 template <int D>
 constexpr double particle_place = 1.0 / (1 << D);
 
-// Whether there is air across a face of a cell.
+// True if there is air across a face of a cell.
 template <int D>
 inline bool air_beside(const Grid<D>& g, const std::uint8_t* active, const Listed& open, index c) {
   const auto stride = Grid<D>::strides(g.shape);
@@ -207,8 +214,8 @@ inline bool air_beside(const Grid<D>& g, const std::uint8_t* active, const Liste
 
 // ---- rows: the lines of a field along the last axis, its columns of cells or faces ----------------------------------
 
-// Where the rows beside row i of a field of that shape begin: [2b] the one before along axis b, [2b+1] the one after;
-// -1 behind a wall.
+// First entries of the rows beside row i of a field of that shape: [2b] the one before along axis b, [2b+1] the one
+// after; -1 behind a wall.
 template <int D>
 inline std::array<index, 2 * D - 2> rows_beside(const Grid<D>& g, const std::array<index, D>& i,
                                                 const std::array<index, D>& shape) {

@@ -11,9 +11,10 @@
 
 namespace houle {
 
-// Stable sort by cell: order (n,) the particle to take for each place, start (cells + 1,) first of each cell. cell (n,)
-// is work space. Returns the number of the first particle that is far outside the tank or nowhere: -1, none.
-// Such a one has been sorted as if it lay in the cell that is nearest, so that nothing is read or written elsewhere.
+// Stable sort by cell: order (n,) the particle to take for each place, start (cells + 1,) the place of the first of
+// each cell. cell (n,) is work space. Returns the number of the first particle that is far outside the tank or has no
+// position (NaN), -1 if there is none. Such a particle is sorted into the nearest cell, so that nothing is read or
+// written elsewhere.
 template <int D>
 inline index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
                        std::int32_t* start) {
@@ -30,7 +31,7 @@ inline index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t*
   return outside < n ? outside : -1;
 }
 
-// to[k] = from[order[k]] for rows of `width` numbers.
+// Copies rows of `width` numbers in a given order: to[k] = from[order[k]].
 inline void permute(index n, index width, const std::int32_t* order, const double* from, double* to) {
   if (width == 1) {
     parallel_for(n, [=](index k) { to[k] = from[order[k]]; });
@@ -45,7 +46,7 @@ inline void permute(index n, index width, const std::int32_t* order, const doubl
   }
 }
 
-// Rows of `width` numbers brought into that order; spare: work space of the same size.
+// Brings rows of `width` numbers into that order, in place; spare: work space of the same size.
 inline void reorder(index n, index width, const std::int32_t* order, double* rows, double* spare) {
   permute(n, width, order, rows, spare);
   parallel_for(n, [=](index k) {
@@ -53,8 +54,8 @@ inline void reorder(index n, index width, const std::int32_t* order, double* row
   });
 }
 
-// Particles in the order of their cells; spare (n, D) is work space. Where one is outside, as cell_sort tells, they
-// stay as they were, and its number is returned, else -1.
+// Puts particles into the order of their cells; spare (n, D) is work space. If one is outside, as cell_sort tells, all
+// stay as they were and its number is returned, else -1.
 template <int D>
 inline index sort_particles(const Grid<D>& g, index n, double* x, double* u, double* volume, double* spare,
                             std::int32_t* order, std::int32_t* start) {
@@ -77,7 +78,7 @@ inline void each_slab(const Grid<D>& g, const std::int32_t* start, const Slab& s
   parallel_for_coloured(slabs, third ? 3 : 2, colour, [=](index s) { slab(first(s), first(s + 1)); });
 }
 
-// On a periodic axis the last face is the first.
+// Copies the first faces of each periodic axis to the last, which are the same faces.
 template <int D>
 inline void close_periodic(const Grid<D>& g, const Faces<D>& f) {
   for (int a = 0; a < D; ++a) {
@@ -109,8 +110,8 @@ inline void each_image(const Grid<D>& g, const Paddles& paddles, const double* x
   }
 }
 
-// Calls sum(keep), where keep(reach, x) holds what a particle reaches along the first axis, of cell centres, between
-// the gates.
+// Calls sum(keep). keep(reach, x) takes what a particle reaches along the first axis, at cell centres, in front of the
+// gates.
 template <int D, class Sum>
 inline void between_gates(const Grid<D>& g, const Gates& gates, const Sum& sum) {
   if (gates.count == 0) {
@@ -118,13 +119,13 @@ inline void between_gates(const Grid<D>& g, const Gates& gates, const Sum& sum) 
     return;
   }
   sum([=](auto& reach, const double* x) {
-    reach.keep(room_of_cells(g, gates, x), x[0] / g.h[0] - 0.5, g.shape[0], g.periodic[0]);
+    reach.keep(compartment_of_cells(g, gates, x), x[0] / g.h[0] - 0.5, g.shape[0], g.periodic[0]);
   });
 }
 
-// Sums over particles of weight * amount to cell centres with the tent kernel, walls folded: out (cells), overwritten.
-// What is near a wall between the faces counts for its image too, so that full water is full up to the wall.
-// Gates fold as well. factor (cells): by which the sums are multiplied; null: 1.
+// Sums over particles of weight * amount to cell centres with the tent kernel: out (cells), overwritten. Walls and
+// gates fold. A particle near a wall between the faces counts for its mirror image too, so that full water is full up
+// to the wall. factor (cells) multiplies the sums; null: 1.
 template <int D>
 inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
                           const Paddles& paddles, const Gates& gates, const double* factor, double* out) {
@@ -160,8 +161,8 @@ inline void gather_cells(const Grid<D>& g, index n, const double* x, const doubl
   });
 }
 
-// What a transfer knows of the particles: positions (n, D), edge length `side` (n,) [m] for the Gaussians (may be null
-// for other kernels), mass (n,) the weight of the momentum, V/n.
+// The particles as a transfer knows them: positions (n, D) [m], edge length `side` (n,) [m] for the Gaussians (may be
+// null for other kernels), mass (n,), the weight of the momentum, V/n; start (cells + 1,) as cell_sort gives it.
 template <int D>
 struct Cloud {
   index n;
@@ -184,7 +185,7 @@ inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, co
   return centre;
 }
 
-// What a particle beside an interface gives to the masses and momenta of the faces; affine (D, D) or null.
+// Adds what a particle beside an interface gives to the masses and momenta of the faces; affine (D, D) or null.
 template <class K, int D>
 inline void give_beside(const Grid<D>& g, const Beside<K, D>& beside, double m, const double* u, const double* affine,
                         const Faces<D>& mass, const Faces<D>& momentum) {
@@ -297,7 +298,7 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
   parallel_for(cloud.n, [=](index p) {
     const auto take = [=](const Beside<K, D>& beside) {
       const auto value = beside.gather(now);
-      std::array<double, D> kept{};  // of the old velocity, where the implicit resistance has scaled it
+      std::array<double, D> kept{};  // share of the old velocity that drag leaves, then the velocity of FLIP
       if (flip > 0.0) {
         const auto added = beside.gather(change);
         beside.each([&](auto a, index f, double w, double, const auto&) { kept[a] += w * drag[a][f]; });
@@ -323,8 +324,8 @@ inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> 
   });
 }
 
-// The x (D,) nearest to 0 of those with the least x.Mx - 2 b.x, for the moments M (D, D) of some points in cells: by
-// elimination with the largest pivots, and none across directions in which the points do not differ.
+// Solves M x = b for the least squares x.Mx - 2 b.x of some points, M (D, D) being their second moments [cells^2]: by
+// elimination with the largest pivots. It ends where the points that are left do not differ: along these axes x is 0.
 template <int D>
 inline void least_squares(double (&M)[D][D], double (&b)[D], double* x) {
   constexpr double least = 1e-10;  // cells squared
@@ -352,9 +353,10 @@ inline void least_squares(double (&M)[D][D], double (&b)[D], double* x) {
   }
 }
 
-// APIC's velocity gradient of a particle beside an interface (D, D): that of the faces as it sees them, about their
-// centre and their mean, by least squares: what it would give back to them has no more energy than they have. (Where it
-// does not see all corners of a box, the moments along different axes are not independent, as they are elsewhere.)
+// APIC's velocity gradient (D, D) of a particle beside an interface: the gradient of the faces that it sees, about
+// their centre and their mean, by least squares. What the particle gives back to them then has no more energy than they
+// have. (If it does not see all corners of a box, the moments along different axes are not independent, as they are
+// elsewhere.)
 template <class K, int D>
 inline void affine_beside(const Grid<D>& g, const Beside<K, D>& beside, ConstFaces<D> velocity, double* affine) {
   const auto mean = beside.gather(velocity);

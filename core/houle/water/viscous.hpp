@@ -5,7 +5,8 @@
 
 namespace houle {
 
-// Strain rate |S| = sqrt(2 S_ab S_ab) at cell centres -> nu (cells) = molecular + (C_s Delta)^2 |S| (Smagorinsky 1963).
+// Viscosity at cell centres with the eddies of Smagorinsky (1963), nu (cells) = molecular + (constant Delta)^2 |S|
+// [m2/s]: strain rate |S| = sqrt(2 S_ab S_ab), Delta the size of a cell.
 template <int D>
 inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double constant, double* nu) {
   const double filter = constant * std::pow(g.cell_volume(), 1.0 / D);
@@ -44,9 +45,9 @@ inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, 
   });
 }
 
-// Shear stress of a smooth wall on water that runs along it with speed v at distance y, over its density [m2/s2]: that
-// of the viscous sublayer, nu v / y, or where y lies above it that of the law of the wall, v / v_* = ln(9.8 y v_*/nu) /
-// 0.41 (Nikuradse 1932; as in Launder & Spalding 1974, Comput. Methods Appl. Mech. Eng. 3, 269).
+// Shear stress over density [m2/s2] of a smooth wall on water that runs along it with speed v at distance y. In the
+// viscous sublayer it is nu v / y; above it, it follows from the law of the wall, v / v_* = ln(9.8 y v_*/nu) / 0.41
+// (Nikuradse 1932; as in Launder & Spalding 1974, Comput. Methods Appl. Mech. Eng. 3, 269).
 inline double wall_shear(double v, double y, double nu) {
   constexpr double karman = 0.41, smooth = 9.8, sublayer = 11.53;  // y v_*/nu where both laws meet
   if (nu <= 0.0) return 0.0;
@@ -60,15 +61,15 @@ inline double wall_shear(double v, double y, double nu) {
   return v * std::abs(v) * (s / re) * (s / re);
 }
 
-// Water that runs along a wall in a sheet thinner than a cell: thickness in cells that counts at least. Thinner ones
-// would ask for shorter steps.
+// The least thickness [cells] of a sheet of water that runs along a wall: thinner ones count as this, as they would ask
+// for shorter steps.
 constexpr double thinnest_sheet = 0.25;
 
-// acceleration = nu lap(u_d) / n on the faces (13), second order, zero gradient towards empty faces.
-// no_slip[2a], [2a+1]: whether the low and the high wall of axis a hold the water, else it slips. A wall that does
-// shears the water in the cells beside it, or the thinner sheet that there is: in porous bodies with the gradient to
-// the wall, in clear water as wall_shear() says. nu (cells, null: `molecular`), porosity (cells, null: 1), mass (faces)
-// and the least mass of a face that holds water.
+// Viscous acceleration on the faces, nu lap(u_d) / n (13), of second order, with zero gradient towards empty faces: out
+// [m/s2]. no_slip[2a], [2a+1]: true if the low and the high wall of axis a hold the water, else it slips. A wall that
+// holds it shears the water in the cells beside it, or the thinner sheet that there is: in porous bodies with the
+// gradient to the wall, in clear water as wall_shear() says. nu (cells, null: `molecular`), porosity (cells, null: 1),
+// mass (faces) and the least mass of a face that holds water.
 template <int D>
 inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
                                  const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
@@ -122,8 +123,8 @@ inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D
               }
               for (int s = 0; s < 2; ++s) {
                 if (near[s] >= 0 || !hold[2 * b + s]) continue;  // no wall along which this component runs
-                const double held = (m[f] + (near[1 - s] < 0 ? m[f] : m[near[1 - s]])) / g.cell_volume();
-                const double sheet = std::clamp(held, thinnest_sheet, 1.0) * g.h[b];
+                const double filled = (m[f] + (near[1 - s] < 0 ? m[f] : m[near[1 - s]])) / g.cell_volume();
+                const double sheet = std::clamp(filled, thinnest_sheet, 1.0) * g.h[b];
                 wall += n < 1.0 ? 2.0 * nu_f * v[f] * inverse_h2[b] : wall_shear(v[f], 0.5 * sheet, molecular) / sheet;
               }
             });

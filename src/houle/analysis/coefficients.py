@@ -1,4 +1,4 @@
-"""One question, one answer: how much does the structure reflect, transmit and swallow, and how sure is that?"""
+"""Reflection, transmission and dissipation of a structure from gauges, with intervals: one question, one answer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from houle.analysis.waves import find_omega, spectrum
 from houle.analysis.window import Window, choose_window
 from houle.waves.dispersion import GRAVITY
 
-HIGHEST = 3.0  # depths, from crest to trough: no gauge in front of a structure sees that
+HIGHEST = 3.0  # range of the level at a gauge [depths]: more is another unit, or a code for missing values
 
 
 def reflection(
@@ -48,12 +48,14 @@ def reflection(
     kind         "regular": first harmonic over whole periods; "irregular": Fourier lines of 0.5 to 2 f_p
     method       "zelt-skjelbreia" (2 gauges or more), "mansard-funke" (3), "goda-suzuki" (2), "jh2020" (the paper's
                  formula, which does not measure reflection: see houle.analysis.paper)
-    gauges       names or numbers of those in front; if None all that are not behind, or before the structure's face
-    behind       those behind: one measures the height there, two or more take off what the far end reflects
+    gauges       names or numbers of those in front; by default all that are not behind, or before the structure's face
+    behind       names or numbers of those behind: one measures the height there, two or more take off what the far end
+    reflects
     window       (start, end) [s]; if None chosen from maker, structure [m] and `limits`: ramp, settle, rear, reflector,
                  absorbing, far_end, minimum of window.choose_window. Cut to whole periods (regular)
     towards      +1 if the incident wave goes to +x, -1 if to -x; known when maker and structure are given
-    wave_number  [rad/m] of the primary wave (regular); linear theory if None; "fit": what explains four gauges best
+    wave_number  [rad/m] of the primary wave (regular); linear theory if None; "fit": the one that explains four gauges
+    best
     bed          level of the bed [m] on the scale of eta, for jh2020
     confidence   of the intervals                    seed     of the resampling behind them
     Raises AnalysisError with the cure: singular spacings, no window, dry gauges, ...
@@ -74,12 +76,12 @@ def reflection(
     omega = 2 * np.pi / period if period is not None else _omega(front, kind)
     stand = [*front.x, *([] if back is None else back.x)]
     if window is None:
-        frame = _chosen(front, stand, omega, depth, maker, structure, kind, gravity, limits)
+        span = _chosen(front, stand, omega, depth, maker, structure, kind, gravity, limits)
     else:
-        frame = _given(front, omega, window, limits)
+        span = _given(front, omega, window, limits)
     front = replace(front, x=front.x * towards)
     back = None if back is None else replace(back, x=back.x * towards)
-    task = Task(kind, method, front, back, frame, omega, depth, gravity, towards, confidence, seed)
+    task = Task(kind, method, front, back, span, omega, depth, gravity, towards, confidence, seed)
     if method == "jh2020":
         return paper(task, bed)
     return regular(task, wave_number) if kind == "regular" else irregular(task)
@@ -104,7 +106,7 @@ def _in_front(
 
 
 def _require_levels(g: Gauges, depth: float) -> None:
-    """Levels in metres do not move by some depths. Raises AnalysisError."""
+    """Raises AnalysisError where a level moves by more than HIGHEST depths: it cannot be in metres."""
     for name, row in zip(g.names, g.eta, strict=True):
         low, high = int(np.argmin(row)), int(np.argmax(row))
         if row[high] - row[low] > HIGHEST * depth:

@@ -1,7 +1,7 @@
 """Incident, reflected and transmitted wave energy, as pieces that can be resampled: one per period, or per frequency.
 
-A wave of complex amplitude Z has the energy |Z|^2 here: what counts is ratios. Noise adds its own energy to a small
-wave. It is taken off: for regular waves by the variance between periods, for irregular ones by what is left at the
+A wave of complex amplitude Z has the energy |Z|^2 here: only ratios count. Noise adds its own energy to a small
+wave. It is taken off: for regular waves by the variance between periods, for irregular ones by the residual at the
 gauges when two waves are fitted to them.
 """
 
@@ -26,7 +26,12 @@ Complex = NDArray[Any]
 
 @dataclass(frozen=True)
 class Pieces:
-    """values (n, 2 or 3): incident, reflected, transmitted; energy((..., n, c)) -> (..., c) [m2]; unit: n of what."""
+    """Pieces of wave energy that can be resampled.
+
+    values  (n, 2 or 3): incident, reflected and, if measured, transmitted
+    energy  gives the energy (..., c) [m2] of values (..., n, c)
+    unit    word for a piece: "periods" or "frequencies"
+    """
 
     values: NDArray
     energy: Callable[[NDArray], Real]
@@ -62,13 +67,14 @@ def regular(front: Complex, x: Real, k: float, method: str, behind: tuple[Comple
 
 
 def _of_the_mean(z: Complex) -> Real:
-    """|mean|^2 less the variance of the mean: without bias when the periods are independent."""
+    """Energy |mean|^2 over periods, less the variance of the mean: without bias if the periods are independent."""
     n, mean = z.shape[-2], z.mean(axis=-2)
     variance = np.sum(np.abs(z - mean[..., None, :]) ** 2, axis=-2) / (n * max(1, n - 1))
     return np.maximum(0.0, np.abs(mean) ** 2 - variance)
 
 
 def _operator(method: str, k: float, x: Real) -> Complex:
+    """Matrix (2, G) of a method that gives Z_I and Z_R from amplitudes at x (G,). Raises AnalysisError."""
     require_spread(k, x)
     _right_number(method, len(x))
     return operator(k, x, weights(k, x) if method == "zelt-skjelbreia" else np.ones(len(x)))
@@ -106,7 +112,7 @@ def lines(g: Gauges, depth: float, band: tuple[float, float], method: str, gravi
 
 
 def fourier(g: Gauges, band: tuple[float, float], taper: float) -> tuple[Real, Complex, float]:
-    """Frequencies (n,) in the band, amplitudes (n, G) and what turns |F|^2 into a density [1/Hz]."""
+    """Frequencies (n,) [Hz] in the band, amplitudes F (n, G), and the factor of |F|^2 in a density [1/Hz]."""
     from scipy.signal.windows import tukey
 
     shape = tukey(len(g.time), taper, sym=False)
@@ -120,7 +126,7 @@ def fourier(g: Gauges, band: tuple[float, float], taper: float) -> tuple[Real, C
 
 
 def _energies(F: Complex, k: Real, x: Real, method: str) -> tuple[Real, Real]:
-    """F (n, G) -> energies of the two waves less those of the noise (n, 2), energy of the noise at all gauges (n,).
+    """Energies of the two waves (n, 2) less those of the noise, and of the noise at all gauges (n,), from F (n, G).
 
     With P = 1 - B A (A: amplitudes from gauges, B: gauges from amplitudes) noise of variance s leaves s |P|^2 at the
     gauges, and puts s |A_row|^2 into each wave.
@@ -136,6 +142,7 @@ def _energies(F: Complex, k: Real, x: Real, method: str) -> tuple[Real, Real]:
 
 
 def _smooth(values: Real, width: int = 9) -> Real:
+    """Running mean over `width` lines, fewer at the ends; never 0."""
     kernel = np.ones(min(width, len(values)))
     return np.convolve(values, kernel, "same") / np.convolve(np.ones(len(values)), kernel, "same") + 1e-300
 
@@ -148,4 +155,5 @@ def irregular(front: Lines, behind: Real | None = None) -> Pieces:
 
 
 def _of_the_sum(values: Real) -> Real:
+    """Energy of all lines together; noise that was taken off cannot make it negative."""
     return np.maximum(0.0, values.sum(axis=-2))

@@ -1,4 +1,4 @@
-"""Does the bank hold? Exit gradient against the critical one, Shields number at the face, lag of the phreatic line.
+"""Stability of a bank: exit gradient against the critical one, Shields number at the face, lag of the phreatic line.
 
 Exit gradient: water that leaves a bank with the hydraulic gradient i lifts the grains when i exceeds
 i_c = (s - 1) (1 - n) (Terzaghi), s = density of the grains over that of water.
@@ -27,7 +27,7 @@ ALIKE = 0.01  # peaks of a correlation that differ by less are as high as each o
 
 
 def critical_gradient(porosity: float, relative_density: float = 2.65) -> float:
-    """i_c = (s - 1) (1 - n)."""
+    """Critical exit gradient i_c = (s - 1) (1 - n) [-], s the density of the grains over that of water."""
     if not (0 < porosity < 1 and relative_density > 1):
         raise AnalysisError(f"porosity = {porosity:g}, s = {relative_density:g}: 0 < porosity < 1 and s > 1 are needed")
     return (relative_density - 1.0) * (1.0 - porosity)
@@ -35,7 +35,7 @@ def critical_gradient(porosity: float, relative_density: float = 2.65) -> float:
 
 @dataclass(frozen=True)
 class Exit:
-    """gradient (T,), positive outwards; `critical`; `time_above` [s] in which it was exceeded."""
+    """Exit gradient (T,), positive outwards; its `critical` value; `time_above` [s], in which that was exceeded."""
 
     gradient: Real
     critical: float
@@ -88,7 +88,7 @@ def exit_gradient(
 
 @dataclass(frozen=True)
 class Shields:
-    """number (T,), its `critical` value and the friction velocity (T,) [m/s]."""
+    """Shields number (T,), its `critical` value and the friction velocity (T,) [m/s]."""
 
     number: Real
     critical: float
@@ -164,7 +164,7 @@ def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | 
 
 
 def _first_peak(match: Real) -> int:
-    """The peak of a correlation nearest to no lag, its middle, among those within `ALIKE` of the highest."""
+    """Index of the peak nearest to no lag (the middle), among those within `ALIKE` of the highest."""
     highest = match.max()
     peaks = [i for i in range(1, len(match) - 1) if match[i - 1] < match[i] >= match[i + 1]]
     peaks = [i for i in peaks if match[i] >= (1.0 - ALIKE) * highest]

@@ -20,19 +20,19 @@ from houle.analysis.uncertainty import bootstrap, half_width, subsets
 from houle.analysis.window import Window
 from houle.waves.dispersion import wave_number
 
-RESIDUAL = 0.1  # share of the amplitude: a larger residual is told in a note
+RESIDUAL = 0.1  # share of the amplitude: a note says if the residual is larger
 NONE = (float("nan"), float("nan"))
 
 
 @dataclass(frozen=True)
 class Task:
-    """A question to the gauges: the record with the incident wave going to +x, and the window; see reflection()."""
+    """A task for the analysis: records in front and behind, with the incident wave going to +x, and the window."""
 
     kind: str
     method: str
     front: Gauges
     back: Gauges | None
-    frame: Window
+    window: Window
     omega: float
     depth: float
     gravity: float
@@ -47,25 +47,25 @@ class Task:
 
 
 def regular(task: Task, number: float | str | None) -> Reflection:
-    """First harmonic over whole periods; number: wave number [rad/m], None (linear) or "fit"."""
+    """Regular waves: first harmonic over whole periods. number: wave number [rad/m], None (linear) or "fit"."""
     task, turning = _steady(task)
-    x, frame = task.front.x, task.frame
-    F = energies.per_period(task.front, task.omega, frame.start, frame.periods)
+    x, window = task.front.x, task.window
+    F = energies.per_period(task.front, task.omega, window.start, window.periods)
     mean = F.mean(axis=0)
     k = task.k if number is None else number
     k = fit_wave_number(x, mean[:, 1], task.k) if isinstance(k, str) else k
     through = None
     if task.back is not None:
-        through = (energies.per_period(task.back, task.omega, frame.start, frame.periods, 1)[:, :, 1], task.back.x)
+        through = (energies.per_period(task.back, task.omega, window.start, window.periods, 1)[:, :, 1], task.back.x)
 
-    def of(chosen: list[int], method: str) -> Pieces:
+    def pieces_of(chosen: list[int], method: str) -> Pieces:
         return energies.regular(F[:, chosen, 1], x[chosen], k, method, through)
 
     parts = separate_xt(x, mean, task.omega, task.depth, k, task.gravity)
     notes = (
         turning
-        if frame.periods >= 5
-        else [*turning, f"{frame.periods} periods only: 5 or more make a steady state believable"]
+        if window.periods >= 5
+        else [*turning, f"{window.periods} periods only: 5 or more make a steady state believable"]
     )
     if number is None and parts[0].residual > RESIDUAL:
         notes.append(
@@ -77,31 +77,31 @@ def regular(task: Task, number: float | str | None) -> Reflection:
         notes.append(
             f"harmonics {orders}: these gauges cannot tell free from bound waves (C_R is of the first harmonic)"
         )
-    found = estimate(of, x, k, task)
+    found = estimate(pieces_of, x, k, task)
     return _answer(task, k, found, 2.0, notes, parts[0].residual, harmonics=tuple(parts), amplitudes=mean)
 
 
 def _steady(task: Task) -> tuple[Task, list[str]]:
     """The task at the period whose phase stands still in the window, and notes. Raises AnalysisError."""
-    frame, front = task.frame, task.front
+    window, front = task.window, task.front
 
     def amplitudes(omega: float, periods: int) -> NDArray[Any]:
-        return np.asarray(energies.per_period(front, omega, frame.start, periods, 3)[:, :, 1])
+        return np.asarray(energies.per_period(front, omega, window.start, periods, 3)[:, :, 1])
 
-    end = min(frame.end, float(front.time[-1]) + front.step)
-    omega, notes = phase.followed(amplitudes, task.omega, frame.start, end, front)
+    end = min(window.end, float(front.time[-1]) + front.step)
+    omega, notes = phase.followed(amplitudes, task.omega, window.start, end, front)
     if omega == task.omega:
         return task, notes
-    periods = int(np.floor((end - frame.start) * omega / (2 * np.pi) + 1e-6))
-    whole = replace(frame, end=frame.start + periods * 2 * np.pi / omega, periods=periods)
-    return replace(task, omega=omega, frame=whole), notes
+    periods = int(np.floor((end - window.start) * omega / (2 * np.pi) + 1e-6))
+    whole = replace(window, end=window.start + periods * 2 * np.pi / omega, periods=periods)
+    return replace(task, omega=omega, window=whole), notes
 
 
 def irregular(task: Task, taper: float = 0.1) -> Reflection:
-    """Fourier lines of 0.5 to 2 f_p; the ends of the record are tapered over this part of it."""
+    """Irregular waves: Fourier lines of 0.5 to 2 f_p. taper: share of the record over which its ends fade."""
     peak = task.omega / (2 * np.pi)
-    band, frame = (0.5 * peak, 2.0 * peak), task.frame
-    inside = task.front.between(frame.start, frame.end)
+    band, window = (0.5 * peak, 2.0 * peak), task.window
+    inside = task.front.between(window.start, window.end)
     density = None if task.back is None else _transmitted(task, band, taper)
 
     def separated(chosen: list[int], method: str) -> Lines:
@@ -124,7 +124,7 @@ def irregular(task: Task, taper: float = 0.1) -> Reflection:
 def _transmitted(task: Task, band: tuple[float, float], taper: float) -> NDArray[Any]:
     """Density of the wave behind at the lines of the band: going away if two gauges stand there, all of it if one."""
     assert task.back is not None
-    late = task.back.between(task.frame.start, task.frame.end)
+    late = task.back.between(task.window.start, task.window.end)
     if len(late.x) > 1:
         return energies.lines(late, task.depth, band, "zelt-skjelbreia", task.gravity, taper).incident
     _, F, unit = energies.fourier(late, band, taper)
@@ -133,7 +133,7 @@ def _transmitted(task: Task, band: tuple[float, float], taper: float) -> NDArray
 
 @dataclass(frozen=True)
 class Estimate:
-    """Energies (incident, reflected, transmitted), coefficients and half widths (R, T, D), and what those cover."""
+    """Energies (incident, reflected, transmitted), coefficients, half widths (R, T, D), and what the latter cover."""
 
     energy: NDArray[Any]
     values: NDArray[Any]
@@ -149,9 +149,9 @@ def coefficients(energy: NDArray[Any]) -> NDArray[Any]:
     return np.stack([np.sqrt(reflected), np.sqrt(through), 1.0 - reflected - through], axis=-1)
 
 
-def estimate(of: Callable[[list[int], str], Pieces], x: NDArray[Any], k: float, task: Task) -> Estimate:
-    """Coefficients and half widths; of(gauges, method) gives the pieces of energy that these gauges see."""
-    pieces = of(list(range(len(x))), task.method)
+def estimate(pieces_of: Callable[[list[int], str], Pieces], x: NDArray[Any], k: float, task: Task) -> Estimate:
+    """Coefficients and half widths; pieces_of(gauges, method) gives the pieces of energy that these gauges see."""
+    pieces = pieces_of(list(range(len(x))), task.method)
     energy = pieces.energy(pieces.values)
     if not energy[0] > (phase.ROUND_OFF * np.abs(task.front.eta).max()) ** 2:
         raise AnalysisError("there is no incident wave at this period and direction: check period, window and towards")
@@ -159,7 +159,7 @@ def estimate(of: Callable[[list[int], str], Pieces], x: NDArray[Any], k: float, 
     covers = f"change between {len(pieces.values)} {pieces.unit} (moving-block bootstrap)"
     chosen, scatter = subsets(x, k, task.seed), np.full(3, np.nan)
     if len(chosen) > 1:
-        others = [of(list(c), "zelt-skjelbreia") for c in chosen]
+        others = [pieces_of(list(c), "zelt-skjelbreia") for c in chosen]
         scatter = np.std([coefficients(p.energy(p.values)) for p in others], axis=0, ddof=1)
         covers += f" and disagreement of {len(chosen)} {'triples' if len(chosen[0]) == 3 else 'pairs'} of gauges"
     else:
@@ -187,7 +187,7 @@ def _answer(
         "notes": tuple(notes),
     }
     return Reflection(
-        **_what(task, k),
+        **_settings(task, k),
         **values,
         **intervals,
         H_I=H_I,
@@ -215,17 +215,17 @@ def _impossible(values: dict[str, float], spans: list[tuple[float, float]]) -> l
     return []
 
 
-def _what(task: Task, k: float) -> dict[str, Any]:
+def _settings(task: Task, k: float) -> dict[str, Any]:
     same = {name: getattr(task, name) for name in ("kind", "method", "depth", "towards")}
-    return {**same, "period": 2 * np.pi / task.omega, "wave_number": k, "window": task.frame, "record": task.front}
+    return {**same, "period": 2 * np.pi / task.omega, "wave_number": k, "window": task.window, "record": task.front}
 
 
 def paper(task: Task, bed: float) -> Reflection:
-    """Levels above the bed: the highest and the lowest at the gauges in front, crest less trough behind."""
-    level = task.front.between(task.frame.start, task.frame.end).eta - bed
+    """The paper's formula: highest and lowest level above the bed at the gauges in front, crest less trough behind."""
+    level = task.front.between(task.window.start, task.window.end).eta - bed
     through = float("nan")
     if task.back is not None:
-        late = task.back.between(task.frame.start, task.frame.end).eta
+        late = task.back.between(task.window.start, task.window.end).eta
         through = float(np.mean(late.max(axis=1) - late.min(axis=1)))
     p = jh2020(float(level.max()), float(level.min()), through)
     nothing: dict[str, Any] = {
@@ -236,7 +236,7 @@ def paper(task: Task, bed: float) -> Reflection:
         "spread": NONE[0],
     }
     return Reflection(
-        **_what(task, task.k),
+        **_settings(task, task.k),
         **nothing,
         C_R=p.C_R,
         C_T=p.C_T,

@@ -1,6 +1,6 @@
 """Records as instruments write them: holes, codes for missing values, times that are rounded, uneven, or no times.
 
-Nothing is filled in silently. What was done is told in `notes`, and what cannot be is refused with the sample.
+Nothing is filled in silently: `notes` say what was done. A record that cannot be used is refused, with the sample.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from houle.data.csv_table import missing_codes
 
 Real = NDArray[np.float64]
 UNITS = (1.0, 1e-2, 1e-3)  # units [m] in which a code for missing values may have been written
-HIGHEST = 1e5  # m: no level of water
+HIGHEST = 1e5  # [m] no water stands so high: it is a code or another unit
 ROUNDED = 0.3  # share of the interval: rounded times may be off even ones by so much
-TOLD = 0.02  # share of the interval: times farther off are told in a note
-HOLE = 1.5  # intervals between two samples
+TOLD = 0.02  # share of the interval: a note says if times are farther off
+HOLE = 1.5  # a wider gap between two samples is a hole [intervals]
 SHORT = 0.1  # share of the mean period: shorter holes are bridged by a straight line
 
 
 @dataclass(frozen=True)
 class Record:
-    """time (T,) rising [s]; eta (R, T) [m], NaN where missing; notes: what is to be said about it."""
+    """A checked record: time (T,) rising [s]; eta (R, T) [m], NaN where missing; notes on what was done."""
 
     time: Real
     eta: Real
@@ -34,7 +34,7 @@ class Record:
 
 
 def seconds(time: Any) -> Real:
-    """Times [s]; those with a date count from the first."""
+    """Times as numbers [s]; dates count from the first one."""
     t = np.asarray(time)
     if t.dtype.kind in "mM":
         return np.asarray((t - t.flat[0]) / np.timedelta64(1, "ns") * 1e-9 if t.size else t.astype(float), dtype=float)
@@ -59,7 +59,7 @@ def rising(time: Any, least: int = 3) -> Real:
 
 
 def record(time: Any, eta: ArrayLike, least: int = 3) -> Record:
-    """Checks time (T,) and eta (..., T); codes and what is not finite become NaN. Raises AnalysisError."""
+    """Checks time (T,) and eta (..., T); codes and numbers that are not finite become NaN. Raises AnalysisError."""
     t = rising(time, least)
     rows = np.array(eta, dtype=float)
     if rows.ndim == 0 or rows.shape[-1] != len(t):
@@ -83,7 +83,7 @@ def record(time: Any, eta: ArrayLike, least: int = 3) -> Record:
 
 
 def spacing(t: Real) -> tuple[float, bool]:
-    """The interval between samples [s], and whether all of them stand at (nearly) whole multiples of it."""
+    """The interval between samples [s]; True if all of them stand at (nearly) whole multiples of it."""
     gaps = np.diff(t)
     step, number = float(np.median(gaps)), np.round(gaps / np.median(gaps))
     for _ in range(3):
@@ -123,7 +123,7 @@ def even(found: Record) -> tuple[float, float, Real, tuple[str, ...]]:
 
 
 def holes(z: Real) -> list[tuple[int, int]]:
-    """(first, past the last) of each run of NaN in z (N,)."""
+    """The holes of z (N,): first and one past the last sample of each run of NaN."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], np.isnan(z).astype(int), [0]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 

@@ -1,8 +1,8 @@
-"""Largest pressure of a record, with how long it lasts and the impulse it gives: what an impact does.
+"""Impacts: largest pressure of a record, its duration and its impulse.
 
 Water that closes a void, or meets a wall, stops. Where neither air nor water yields it stops in one step of the
 computation: the impulse is the momentum that was stopped, the pressure is that impulse over the step. A largest value
-of one sample says how long the step was; what acts on a structure is the impulse, and the pressure that lasts.
+of one sample depends on the length of the step; a structure feels the impulse, and the pressure that lasts.
 """
 
 from __future__ import annotations
@@ -39,11 +39,10 @@ class Impact:
 
 
 def largest_pressure(time: ArrayLike, pressure: ArrayLike, *, window: float | None = None) -> Impact:
-    """Largest value of a record, how long it lasts, its impulse, and the largest mean over a window.
+    """Largest value of a record, its duration and impulse, and the largest mean over a window.
 
     time, pressure (T,) [s, Pa]: rising times, straight lines between them. `window` [s] of the lasting pressure: five
-    samples, where they are widest, if None; longer than that it is a choice of whoever knows the structure. Raises
-    AnalysisError.
+    samples, where they are widest, if None; a longer one depends on the structure. Raises AnalysisError.
     """
     t, p = np.asarray(time, dtype=float), np.asarray(pressure, dtype=float)
     if t.shape != p.shape or t.ndim != 1 or len(t) < 2 or not (np.isfinite(p).all() and (np.diff(t) > 0).all()):
@@ -79,7 +78,7 @@ def _sides(t: FloatArray, p: FloatArray, top: int, way: int) -> tuple[float, flo
 
 
 class _Integral:
-    """Integral of the straight lines between the samples, from the first one on."""
+    """Integral of a record, by straight lines between its samples, from the first one on."""
 
     def __init__(self, t: FloatArray, p: FloatArray) -> None:
         self.t, self.p, self.slope = t, p, np.diff(p) / np.diff(t)

@@ -1,4 +1,4 @@
-"""Levels of the water at gauges along a flume, as everything here takes them."""
+"""Levels of the water at gauges along a flume: the form in which every analysis takes them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,13 @@ Real = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Gauges:
-    """time (T,) [s], evenly spaced and rising; x (G,) [m]; eta (G, T) [m] above any fixed level, finite.
+    """Levels of the water at gauges along a flume.
 
-    notes: what the reader of the source had to say.
+    time   (T,) [s], evenly spaced and rising
+    x      (G,) places of the gauges [m]
+    eta    (G, T) levels [m] above any fixed level, finite
+    names  one for each gauge
+    notes  remarks of the reader of the source, in words
     """
 
     time: Real
@@ -32,7 +36,7 @@ class Gauges:
         return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
 
     def pick(self, chosen: Sequence[str | int] | None) -> Gauges:
-        """Only these gauges, by name or number, in this order; all of them when None."""
+        """The chosen gauges, by name or number, in this order; all of them when None."""
         if chosen is None:
             return self
         unknown = [c for c in chosen if (c not in self.names if isinstance(c, str) else not 0 <= c < len(self.names))]

@@ -1,4 +1,4 @@
-"""What a reflection analysis found, in numbers."""
+"""The result of a reflection analysis, in numbers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Interval = tuple[float, float]
 
 @dataclass(frozen=True)
 class Measured:
-    """C_R = H_R / H_I, C_T = H_T / H_I, C_D = 1 - C_R^2 - C_T^2; NaN where gauges are missing.
+    """The coefficients C_R = H_R / H_I, C_T = H_T / H_I, C_D = 1 - C_R^2 - C_T^2; NaN where gauges are missing.
 
     Heights [m] are 2 |Z| of the first harmonic (regular) or H_m0 in the band (irregular). Intervals are (low, high) of
     the stated confidence; `covers` says what is in them. `residual`: part of the amplitude at the gauges that an

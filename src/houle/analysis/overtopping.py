@@ -16,9 +16,10 @@ NAMED = 5  # instants that a note or a message lists
 
 @dataclass(frozen=True)
 class Overtopping:
-    """`volumes` (N,) [m3/m], in 3D [m3], that came over in `times` (N, 2), start and end [s]; `duration` [s] in all.
+    """Overtopping events: `volumes` (N,) [m3/m], in 3D [m3], that came over in `times` (N, 2), start and end [s].
 
-    q: mean discharge [m3/s/m]. `waves`: incident waves, None if not given. `ignored`: in pieces below the threshold.
+    `duration` of the record [s]; `total` volume; q: mean discharge [m3/s/m]. `waves`: number of incident waves, None if
+    not given. `ignored`: volume of the events below the threshold.
     `errors` (N,) and `q_error` are standard errors, from the `noise` of the record itself, its standard deviation
     between the events [m3/m]; 0 without noise. `notes`: what was done to the record, a sentence each.
     """
@@ -68,7 +69,7 @@ def overtopping_events(
     pause: float = 0.0,
     emptied: Literal["bridge", "refuse", "ignore"] = "bridge",
 ) -> Overtopping:
-    """Events of a cumulative volume (T,) [m3/m], of houle or of a tank gauge: stretches in which it rises for good.
+    """Overtopping events of a cumulative volume (T,) [m3/m], from houle or a tank gauge: stretches of lasting rise.
 
     They are joined across pauses up to `pause` [s]. Events of no more than `threshold` [m3/m], or of less than three
     of their standard errors, are noise. Water that flows back counts against the event it follows.
@@ -110,7 +111,7 @@ def overtopping_events(
 
 
 def _bridged(t: Floats, v: Floats, falls: list[Fall]) -> tuple[Floats, float]:
-    """The record with what was emptied put back, and how long that took [s]; it stands while the tank is emptied."""
+    """The record with the emptied volume put back, and the duration of the emptying [s], in which it stands still."""
     v, back = v.copy(), 0.0
     for fall in falls:
         v[fall.start + 1 : fall.end] = fall.level + back
@@ -120,7 +121,7 @@ def _bridged(t: Floats, v: Floats, falls: list[Fall]) -> tuple[Floats, float]:
 
 
 def _with_falls(found: Stairs, falls: list[Fall]) -> tuple[Floats, float]:
-    """Standard errors of the steps, and of them all, with those of the falls in the pauses beside them."""
+    """Standard errors of each step and of the whole, with those of the falls in the pauses beside them."""
     variance = np.zeros(len(found.first) + 1)  # variance of the record in each pause
     for fall in falls:
         variance[np.searchsorted(found.first, fall.start)] += fall.error**2

@@ -1,11 +1,11 @@
-"""Equations (18)-(20) of the paper of 2020 (method = "jh2020"), as printed; and what they measure.
+"""Equations (18)-(20) of the paper of 2020 (method = "jh2020"), as printed, with a warning: they measure no reflection.
 
     H_I = H_max + H_min,   H_R = H_max - H_min          (18)
     C_R = (H_max - H_min) / (H_max + H_min)             (19)
     C_T = H_T / H_I,   C_D = 1 - C_R - C_T              (20)  (C_T is printed C_R)
 
-Right with H_max and H_min the largest and the smallest wave height along the envelope of a partial standing wave. The
-paper's table 1 puts levels above the bed in their place, of a crest (A) and of a trough (B).
+They are right with H_max and H_min the largest and the smallest wave height along the envelope of a partial standing
+wave. The paper's table 1 puts levels above the bed in their place, of a crest (A) and of a trough (B).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Jh2020:
 
 
 def jh2020(highest: float, lowest: float, transmitted: float = float("nan")) -> Jh2020:
-    """highest, lowest, transmitted [m]: H_max, H_min (in the paper the levels A_e, B_e above the bed) and H_T.
+    """The paper's coefficients from H_max, H_min (there the levels A_e, B_e above the bed) and H_T [m].
 
     Raises AnalysisError unless 0 < lowest <= highest.
     """

@@ -1,4 +1,4 @@
-"""The phase of regular waves over a window: amplitudes of periods are averaged with it, so a wrong period loses height.
+"""The phase of regular waves over a window: a wrong period lets it turn, and the mean over periods loses height.
 
 Amplitudes of single periods, taken at a period that is off by dT, turn by 2 pi dT / T from one period to the next, and
 their mean falls as sinc(n dT / T): by 8 % for 1.33 s instead of 1.3333 s over 90 periods. The turn that all gauges have
@@ -19,18 +19,18 @@ from houle.analysis.errors import AnalysisError
 from houle.analysis.levels import Gauges
 
 ROUND_OFF = 1e-13  # share of the highest level at the gauges: a smaller amplitude counts as none
-SMALL = 0.15  # rad over the window: costs 1e-3 of the height
-MOST = np.pi  # rad over the window that is followed
-OFF = 0.02  # part of the period that is followed
-SURE = 3.0  # standard errors
+SMALL = 0.15  # turn over the window [rad] that is left alone: it costs 1e-3 of the height
+MOST = np.pi  # largest turn over the window [rad] that is followed
+OFF = 0.02  # largest change of the period that is followed, as a share
+SURE = 3.0  # a turn counts from so many of its standard errors on
 LOST = 0.02  # part of the height that a mean over periods may lose before a note is due
-WIDE = 10.0  # times shorter and longer than the period given, in which the one that fits is looked for
-AWAY = 4.0  # times the energy at the period given, that another period must hold to be the right one
+WIDE = 10.0  # the period that fits is looked for among those up to so many times shorter and longer
+AWAY = 4.0  # another period is the right one if it holds so many times the energy
 
 
 @dataclass(frozen=True)
 class Turn:
-    """radians per period, their standard error, and what part of the amplitude the mean holds when it is followed."""
+    """Turn of the phase [rad per period], its standard error, share of the amplitude in the mean that follows it."""
 
     rate: float
     error: float
@@ -67,7 +67,7 @@ def turn(F: NDArray[Any]) -> Turn:
 def followed(
     amplitudes: Callable[[float, int], NDArray[Any]], omega: float, start: float, end: float, record: Gauges
 ) -> tuple[float, list[str]]:
-    """The frequency [rad/s] whose phase stands still in the window, and what is to be said.
+    """The frequency [rad/s] whose phase stands still in the window, and notes.
 
     amplitudes(omega, periods): first harmonics (periods, G) of whole periods from `start` on. Raises AnalysisError,
     with the period that fits, when the one given is too far off.

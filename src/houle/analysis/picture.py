@@ -1,4 +1,4 @@
-"""The picture of a reflection: what was measured, when, and what it was taken apart into."""
+"""The picture of a reflection analysis: signals at the gauges, the window, and the waves they are separated into."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from houle.output.atomic import replacing
 from houle.output.drawing import DPI, FAINT, GREY, INK, LABORATORY, SHADE, SMALL, TEXT, WATER, fitted, headline, style
 
 INCIDENT, REFLECTED = WATER, LABORATORY
-SIZE, GAP, LEFT, RIGHT, TOP, BOTTOM = (6.4, 1.75), 0.75, 0.78, 0.9, 0.95, 0.72  # inches: of a panel, and around them
-MOST_GAUGES = 6  # drawn; evenly chosen when there are more
+SIZE, GAP, LEFT, RIGHT, TOP, BOTTOM = (6.4, 1.75), 0.75, 0.78, 0.9, 0.95, 0.72  # inches: size of a panel, gaps, margins
+MOST_GAUGES = 6  # gauges that are drawn, evenly chosen when there are more
 
 
 def draw(r: Measured, path: Path) -> Path:
-    """Signals with the window shaded; the envelope along the flume (regular waves); harmonics, or the spectrum."""
+    """Draws signals with the window shaded, the envelope along the flume (regular waves), and harmonics or spectrum."""
     with style():
         figure, panels = _sheet(r, 3 if r.amplitudes is not None else 2)
         _signals(panels[0], r)
@@ -36,7 +36,7 @@ def draw(r: Measured, path: Path) -> Path:
 
 
 def _sheet(r: Measured, count: int) -> tuple[Figure, list[Axes]]:
-    """Panels one under another, the coefficients as the title, the colours at the foot."""
+    """A figure of panels one under another, with the coefficients as the title and the colours at the foot."""
     width, height = LEFT + SIZE[0] + RIGHT, TOP + count * SIZE[1] + (count - 1) * GAP + BOTTOM
     figure = Figure(figsize=(width, height))
     panels = []

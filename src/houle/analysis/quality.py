@@ -1,4 +1,4 @@
-"""Quality of the waves themselves. It is measured at the gauges of an empty flume, and put beside every C_R.
+"""Quality of the waves themselves, measured at the gauges of an empty flume: it stands beside every C_R.
 
 The amplitude at x of a wave that decays by itself and of what the far end sends back is
 
@@ -33,11 +33,12 @@ DATUM = 0.5  # wave heights (or tenths of the depth): a mean level farther off h
 class QualityCard:
     """Waves of an empty flume over `wavelengths` of gauges and `periods` periods.
 
-    height       of the incident wave at the gauge nearest the maker [m]     target  what was asked for [m]
+    height       of the incident wave at the gauge nearest the maker [m]     target  height asked for [m]
     decay        part of the height lost per wavelength
     celerity     over the reference celerity, less 1                        phase   error per wavelength [rad]
     reflection   of the far end, C_R
-    drift        of the mean level over the window [m]                      level  the mean itself [m]
+    drift        of the mean level over the window [m]                      level  mean level [m]
+    steadiness   standard deviation of the height between periods, over the height
     set_down     mean level less still water [m]; NaN when it is not known where that is
     residual     part of the amplitude that the two waves do not explain
     """

@@ -1,4 +1,4 @@
-"""Surface elevations at places along a flume, from wherever they come: arrays, a run, a dataset, a laboratory's CSV."""
+"""Surface elevations at places along a flume, from arrays, a run, a dataset or a laboratory's CSV."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ if TYPE_CHECKING:
 
 Real = NDArray[np.float64]
 PLACE = r"\bx\s*=\s*([-+]?\d*[.,]?\d+)\s*(mm|cm|m)?\b"
+# names of columns that number the rows
 COUNTS = {"sample", "samples", "index", "no", "nr", "n", "i", "record", "scan", "point", "#"}
 
 
 def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] | None = None) -> Gauges:
-    """Checks arrays: time (T,), x (G,), eta (G, T), or (T,) for one gauge. Raises AnalysisError."""
+    """Gauges made of arrays, after a check: time (T,), x (G,), eta (G, T), or (T,) for one. Raises AnalysisError."""
     t, places = seconds(time), np.atleast_1d(np.asarray(x, dtype=float))
     rows = np.atleast_2d(np.asarray(eta, dtype=float))
     labels = tuple(f"x={p:.4g}" for p in places) if names is None else tuple(str(n) for n in names)
@@ -50,7 +51,7 @@ def gauges(time: ArrayLike, x: ArrayLike, eta: ArrayLike, names: Sequence[str] |
 
 
 def _evenly(t: Real) -> Real:
-    """The times, even to a hundredth of the interval; times that are only rounded are put right. AnalysisError."""
+    """The times, even to a hundredth of the interval; rounded ones are corrected. Raises AnalysisError."""
     gaps = np.diff(t)
     mean = float(gaps.mean())
     if np.all(np.abs(gaps - mean) < 0.01 * mean):
@@ -66,13 +67,13 @@ def _evenly(t: Real) -> Real:
 
 
 def _digits(t: Real) -> int:
-    """Number of decimals of the written times, 12 at most, where it is fewer than their interval needs."""
+    """Number of decimals with which the times were written, 12 at most."""
     wanted = (d for d in range(12) if np.all(np.abs(np.round(t, d) - t) < 1e-9 * max(1.0, float(np.abs(t).max()))))
     return next(wanted, 12)
 
 
 def _longest(t: Real, bad: NDArray[np.intp]) -> str:
-    """The longest part of the record without bad samples, in words."""
+    """Words on the longest part of the record without bad samples; "" if there is none."""
     edges = np.concatenate([[-1], bad, [len(t)]])
     i = int(np.argmax(np.diff(edges)))
     first, last = int(edges[i]) + 1, int(edges[i + 1]) - 1
@@ -82,7 +83,7 @@ def _longest(t: Real, bad: NDArray[np.intp]) -> str:
 def as_gauges(
     source: Any, chosen: Sequence[str | int] | None = None, window: tuple[float, float] | None = None
 ) -> Gauges:
-    """Gauges, made from Gauges, a Run of houle, a Dataset like series.nc, a tuple (time, x, eta) or a path (see read).
+    """Gauges from Gauges, a Run of houle, a Dataset like series.nc, a tuple (time, x, eta) or a path (see read).
 
     Only the chosen gauges and the samples in the window need to be wet. surface.nc, eta(time, x), works too: every
     column of cells is a gauge (2D). Raises AnalysisError.
@@ -133,13 +134,13 @@ def _of_dataset(data: xarray.Dataset) -> tuple[Real, Real, Real, list[str]]:
         raise AnalysisError(f"eta has the dimensions {eta.dims}: (gauge, time) or (time, x) can be used")
     x = data["gauge_x"] if place == "gauge" else data["x"]
     names = [str(n) for n in data["gauge"].values] if place == "gauge" else [f"x={p:.4g}" for p in x.values]
-    levels = eta.transpose(place, "time").values * _told(eta.attrs.get("units"), LENGTHS, "eta")
-    time = seconds(data["time"].values) * _told(data["time"].attrs.get("units"), TIMES, "time")
-    return time, x.values.astype(float) * _told(x.attrs.get("units"), LENGTHS, "x"), levels, names
+    levels = eta.transpose(place, "time").values * _factor(eta.attrs.get("units"), LENGTHS, "eta")
+    time = seconds(data["time"].values) * _factor(data["time"].attrs.get("units"), TIMES, "time")
+    return time, x.values.astype(float) * _factor(x.attrs.get("units"), LENGTHS, "x"), levels, names
 
 
-def _told(unit: Any, units: dict[str, float], name: str) -> float:
-    """Factor of the unit that a dataset tells ("s", "hours since ..."), 1 without. Raises AnalysisError for others."""
+def _factor(unit: Any, units: dict[str, float], name: str) -> float:
+    """Factor to m or s of the unit in a dataset ("s", "hours since ..."), 1 without one. Raises AnalysisError."""
     word = str(unit).strip().lower().split(" since ")[0] if unit is not None else ""
     if word and word not in units and word != "1":
         raise AnalysisError(f"the dataset has {name} in {unit!r}: convert it to one of {', '.join(sorted(units))}")
@@ -147,7 +148,7 @@ def _told(unit: Any, units: dict[str, float], name: str) -> float:
 
 
 def read(path: str | os.PathLike[str]) -> xarray.Dataset:
-    """eta(gauge, time) of the folder of a run, of a netCDF file, or of a laboratory's table. Raises AnalysisError."""
+    """Reads eta(gauge, time) from the folder of a run, a netCDF file or a laboratory's table. Raises AnalysisError."""
     import xarray
 
     place = Path(path) / "series.nc" if Path(path).is_dir() else Path(path)
@@ -162,7 +163,7 @@ def read(path: str | os.PathLike[str]) -> xarray.Dataset:
 def read_csv(
     path: str | os.PathLike[str], positions: Sequence[float] | None = None, interval: float | None = None
 ) -> xarray.Dataset:
-    """A laboratory's table as a dataset like series.nc: eta(gauge, time) [m], gauge_x [m].
+    """Reads a laboratory's table as a dataset like series.nc: eta(gauge, time) [m], gauge_x [m].
 
     Numbers separated by semicolons, tabs, commas or blanks, with a decimal point or comma; above them a line of names,
     perhaps one of units, titles and comments (#), or nothing. The column of times is that with the name of one (t,
@@ -201,7 +202,7 @@ def read_csv(
 
 
 def _times(path: Any, table: Table, interval: float | None) -> tuple[Real, list[int]]:
-    """Times [s], rising; and the columns that are not gauges."""
+    """Times (T,) [s], rising, and the numbers of the columns that are not gauges."""
     named = [c for c, name in enumerate(table.names) if is_time(name) or _has_unit(table, c, TIMES)]
     column = 0 if table.stamped else named[0] if named else None
     same = [c for c in named if column is not None and _equal(table.values[:, c], table.values[:, column])]
@@ -264,7 +265,7 @@ def _scale(path: Any, table: Table, column: int, units: dict[str, float], placed
 
 
 def _is_count(table: Table, column: int) -> bool:
-    """A column that numbers the rows, and says so."""
+    """True for a column that numbers the rows, by its name and its values."""
     name = table.names[column].strip().lower().rstrip(".")
     return name in COUNTS and bool(np.all(np.diff(table.values[:, column]) == 1.0))
 
@@ -284,7 +285,7 @@ def _like_a_gauge(table: Table) -> bool:
 
 
 def _lvm_step(table: Table) -> float:
-    """Interval of a LabVIEW measurement without times [s], 0 if this is none."""
+    """Interval [s] of a LabVIEW measurement without times; 0 if the table is none."""
     found = [re.match(r"Delta_X[\t;,\s]+([-+\d.,eE]+)", line) for line in table.above]
     return next((float(m[1].rstrip(",").replace(",", ".")) for m in found if m), 0.0)
 

@@ -11,9 +11,9 @@ from houle.analysis.measured import Measured
 
 @dataclass(frozen=True)
 class Reflection(Measured):
-    """What a reflection analysis found, and its picture.
+    """The result of a reflection analysis, and its picture.
 
-    C_R = H_R / H_I, C_T = H_T / H_I, C_D = 1 - C_R^2 - C_T^2; NaN where gauges are missing.
+    The coefficients are C_R = H_R / H_I, C_T = H_T / H_I, C_D = 1 - C_R^2 - C_T^2; NaN where gauges are missing.
 
     Heights [m] are 2 |Z| of the first harmonic (regular) or H_m0 in the band (irregular). Intervals are (low, high) of
     the stated confidence; `covers` says what is in them. `residual`: part of the amplitude at the gauges that an

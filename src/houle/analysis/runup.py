@@ -1,4 +1,4 @@
-"""Run-up: how high the water climbs, and the level that 2 % of the waves exceed (EurOtop 2018, chapter 5)."""
+"""Run-up: the highest level of each wave on a slope, and the level that 2 % exceed (EurOtop 2018, chapter 5)."""
 
 from __future__ import annotations
 

@@ -26,7 +26,9 @@ APART = 0.03  # least singular value over the largest: noise in an amplitude is 
 
 
 def weights(k: ArrayLike, x: ArrayLike) -> Real:
-    """Zelt & Skjelbreia: W_p = sum_q sin^2(D) / (1 + (D / pi)^2), D = k (x_p - x_q). All 0 at singular spacings.
+    """Weights of Zelt & Skjelbreia: W_p = sum_q sin^2(D) / (1 + (D / pi)^2), D = k (x_p - x_q).
+
+    All are 0 at singular spacings.
 
     k [rad/m] of any shape, x (G,) [m]; returns k.shape + (G,).
     """
@@ -38,7 +40,7 @@ def weights(k: ArrayLike, x: ArrayLike) -> Real:
 def spread(k: ArrayLike, x: ArrayLike) -> Real:
     """Sharpness with which the places tell the two waves apart: 0 not at all (half wavelengths apart), 1 best.
 
-    sqrt(1 - |mean of exp(2 i k x)|^2), of the shape of k; for two gauges |sin(k (x2 - x1))|.
+    It is sqrt(1 - |mean of exp(2 i k x)|^2), of the shape of k; for two gauges |sin(k (x2 - x1))|.
     """
     mean = np.abs(
         np.mean(np.exp(2j * np.multiply.outer(np.asarray(k, dtype=float), np.asarray(x, dtype=float))), axis=-1)
@@ -93,7 +95,7 @@ def least_squares(F: ArrayLike, x: ArrayLike, k: float, weight: Real) -> tuple[c
 
 
 def operator(k: ArrayLike, x: ArrayLike, weight: Real) -> Complex:
-    """k.shape + (2, G): what F (G,) is multiplied with to give Z_I and Z_R. weight: k.shape + (G,)."""
+    """Matrices k.shape + (2, G) that give Z_I and Z_R from F (G,), for weights k.shape + (G,)."""
     wave = np.exp(1j * np.multiply.outer(np.asarray(k, dtype=float), np.asarray(x, dtype=float)))
     s0, s2 = weight.sum(axis=-1)[..., None], np.sum(weight * wave**2, axis=-1)[..., None]
     forward, back = weight / wave, weight * wave
@@ -108,10 +110,11 @@ def _need(right: bool, message: str) -> None:
 
 @dataclass(frozen=True)
 class Components:
-    """The parts of one harmonic m, complex amplitudes [m] referred to x = 0; of m = 1 nothing is free.
+    """The parts of one harmonic m, complex amplitudes [m] referred to x = 0; the first harmonic has no free part.
 
     `residual` is the part of the rms amplitude that they do not explain; NaN when there is no gauge to spare.
-    `resolved`: False when the gauges cannot tell these parts from each other; then the least that explain the signal.
+    `resolved`: False when the gauges cannot tell these parts from each other; they are then the smallest that explain
+    the signal.
     """
 
     order: int

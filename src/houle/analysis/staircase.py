@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-SURE = 3.0  # standard errors of a step that is one
+SURE = 3.0  # a step counts if it is higher than so many of its standard errors
 SETTLING = 1.0 / 3.0  # share of a pause in which the water in the tank still swings
 END = 0.1  # share of a pause in which the next step may already begin
-SWING = 2.5  # times the duration of a fall, in which a swing has gone up before and after it
-MORE = 1.5  # times the noise with no drift, with one there is not more
+SWING = 2.5  # a swing rises before and after a fall, within so many times its duration
+MORE = 1.5  # a drift is taken off if the noise with it is no more than so many times that without
 UPWARDS = 0.3  # largest drift upwards, as a share of the steps; more is water that comes over all the time
-LAGS = (1.0, 3.0, 10.0)  # times the time to climb, over which the usual slope of a record is looked for
-FALLS = 10  # least number of falls in a record that are its noise
+LAGS = (1.0, 3.0, 10.0)  # spans over which the usual slope is looked for, in times to climb
+FALLS = 10  # least number of falls in a record that has noise
 BAND = 8.0  # median falls: noise never falls by more
-ALIKE = 20  # changes that a record must have to be a count of units; units that half of them have at most
+ALIKE = 20  # a record counted in units has so many changes at least, half of them by so many units at most
 ROUND_OFF = 1e-12  # share of the record: less is no noise
 BINS = 64  # bins in a histogram of times
 EDGE = 200  # samples on each side of a fall from which its height is taken, at most
@@ -34,9 +34,10 @@ SMOOTH = 0.125  # half width of the running mean, as a share of the time that di
 
 @dataclass(frozen=True)
 class Stairs:
-    """Steps from `first` to `last` (S,) sample, by `heights` (S,), with their standard `errors`.
+    """The steps of a record: from sample `first` (S,) to `last` (S,), by `heights` (S,), with standard `errors` (S,).
 
-    noise: standard deviation of the record between them; whole, whole_error: from the first level to the last.
+    noise: standard deviation of the record between them; whole: rise from the first level to the last; whole_error: its
+    standard error.
     """
 
     first: Indices
@@ -56,7 +57,7 @@ def standing(v: Floats) -> tuple[Floats, Indices, Indices]:
 
 
 def rises(t: Floats, v: Floats, pause: float) -> tuple[Indices, Indices]:
-    """First and last sample (S,) of the steps; what stands no longer than `pause` [s] is within one."""
+    """First and last sample (S,) of the steps; a level that stands no longer than `pause` [s] is within a step."""
     level, first, last = standing(v)
     if len(level) < 2:
         return np.empty(0, np.intp), np.empty(0, np.intp)
@@ -69,10 +70,10 @@ def rises(t: Floats, v: Floats, pause: float) -> tuple[Indices, Indices]:
 
 
 def climbing(t: Floats, v: Floats) -> float:
-    """Time [s] that divides those in which the record stands at its levels in two kinds, in a step and between steps.
+    """Time [s] that divides the levels: the record stands at those in a step for less, at those between for longer.
 
-    By their logarithms, as Otsu (1979, IEEE Trans. Syst. Man Cybern. 9, 62) divides the grey of a picture; each level
-    weighs as many samples as it has.
+    The logarithms of these times are divided as Otsu (1979, IEEE Trans. Syst. Man Cybern. 9, 62) divides the grey of a
+    picture; a level weighs as many samples as it has.
     """
     _, first, last = standing(v)
     samples = np.unique(v, return_counts=True)[1]
@@ -89,7 +90,7 @@ def climbing(t: Floats, v: Floats) -> float:
 
 
 def stairs(t: Floats, v: Floats, pause: float) -> Stairs:
-    """The steps of a record that only rises, but for its noise and what flows back after a step."""
+    """The steps of a record that only rises, apart from noise and from water that flows back after a step."""
     count = counted_in(v)
     half, smooth = 0, v
     if trembles(v):
@@ -128,7 +129,7 @@ def smoothed(v: Floats, count: int) -> Floats:
 
 
 def counted_in(v: Floats) -> float:
-    """The unit in which the record is counted, if all of its changes are by whole ones and most by few; else 0."""
+    """The unit in which the record is counted: all its changes are whole multiples of it, most small ones; else 0."""
     change = np.abs(np.diff(v))
     change = change[change > 1e-9 * np.ptp(v)]
     if len(change) < ALIKE:
@@ -140,7 +141,7 @@ def counted_in(v: Floats) -> float:
 
 
 def _flats(first: Indices, last: Indices, count: int) -> list[slice]:
-    """Levels of the record before, between and after the steps, once the water has settled."""
+    """The stretches in which the record stands, before, between and after the steps, once the water has settled."""
     begin, end = np.append(0, last), np.append(first, count - 1) + 1
     settled, still = begin + ((end - begin) * SETTLING).astype(int), end - ((end - begin) * END).astype(int)
     settled[0], still[-1] = 0, count
@@ -205,7 +206,7 @@ def drift(t: Floats, v: Floats, steps: Stairs) -> tuple[float, float]:
 def _level(v: Floats, noise: float, count: float) -> tuple[float, float]:
     """Mean of a stretch that stands, and its standard error: each time the record crosses the mean is one sample.
 
-    count: unit in which it is counted; of that the mean of any number of samples may be off.
+    count: unit in which the record is counted; its rounding stays in the mean of any number of samples.
     """
     mean = float(v.mean())
     crossings = int(np.count_nonzero(np.diff(v > mean)))
@@ -213,7 +214,7 @@ def _level(v: Floats, noise: float, count: float) -> tuple[float, float]:
 
 
 def _exact(v: Floats, first: Indices, last: Indices) -> Stairs:
-    """Without noise: from sample to sample; what flows back counts against the step it follows."""
+    """The steps of a record without noise, from sample to sample; water that flows back counts against its step."""
     first, last = first.copy(), last.copy()
     for i in range(len(first)):
         while first[i] > 0 and v[first[i] - 1] < v[first[i]]:
@@ -227,7 +228,7 @@ def _exact(v: Floats, first: Indices, last: Indices) -> Stairs:
 
 @dataclass(frozen=True)
 class Fall:
-    """The record falls from `level`, from sample `start` to sample `end`, by `height`, with its standard error."""
+    """A fall of the record from `level`, from sample `start` to sample `end`, by `height` with its standard error."""
 
     start: int
     end: int

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from houle.analysis.errors import AnalysisError
 from houle.waves.dispersion import GRAVITY
 
-BEYOND = 1.2  # times the largest root wanted: Im(x c) from which on the roots are near the poles of tanh
+BEYOND = 1.2  # Im(x c), over the largest root wanted, from which on the roots are near the poles of tanh
 
 Complex = NDArray[Any]
 Real = NDArray[np.float64]
@@ -38,7 +38,7 @@ Real = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Scatter:
-    """Complex amplitudes over that of the incident wave, at the faces, and the linear friction f they belong to.
+    """Reflected and transmitted complex amplitudes at the faces, over the incident one, and the linear friction f.
 
     Behind a wall `transmitted` is 0. `velocity` is the rms of the pore velocity in the block [m/s] for the height that
     was given (Lorentz), NaN if the friction was.
@@ -203,6 +203,7 @@ def pore_velocity(
 
 
 def _field(r: _Region, porosity: float, width: float, wall: bool, points: tuple[int, int]) -> Any:
+    """u_x, u_z and weights of pore_velocity() for these modes."""
     gx, wx = np.polynomial.legendre.leggauss(points[0])
     gz, wz = np.polynomial.legendre.leggauss(points[1])
     x, s = 0.5 * width * (gx + 1.0), 0.5 * r.depth * (gz + 1.0)  # s: height above the bottom
@@ -246,9 +247,10 @@ def porous_block_lorentz(
     modes: int = 15,
     gravity: float = GRAVITY,
 ) -> Scatter:
-    """The same with the drag a u_d + b |u_d| u_d (a [1/s], b [1/m], canonical) and an incident wave of a height [m].
+    """Solution for the drag a u_d + b |u_d| u_d (a [1/s], b [1/m]) and an incident wave of a height [m].
 
-    The friction does the work of the drag (Lorentz); iterated until f is steady to 1e-7. Raises AnalysisError.
+    The linear friction f does the work of the drag (Lorentz); it is iterated until f is steady to 1e-7. Raises
+    AnalysisError.
     """
     if not (height > 0 and a >= 0 and b >= 0):
         raise AnalysisError(
@@ -283,7 +285,7 @@ def long_wave(
     wall: bool = False,
     gravity: float = GRAVITY,
 ) -> Scatter:
-    """Madsen (1974), shallow water (k h << 1): eps = n / sqrt(S + i f), K = omega sqrt((S + i f) / (g h))."""
+    """Solution for k h << 1 (Madsen 1974): eps = n / sqrt(S + i f), K = omega sqrt((S + i f) / (g h))."""
     _check(omega, depth, width, porosity, friction, inertia)
     root = np.sqrt(complex(inertia, friction))
     eps, K = porosity / root, omega / np.sqrt(gravity * depth) * root

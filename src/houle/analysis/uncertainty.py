@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from houle.analysis.separation import LEAST, spread
 
 Real = NDArray[np.float64]
-REPEATS = 2000
-MOST_SUBSETS = 60
+REPEATS = 2000  # samples of the bootstrap
+MOST_SUBSETS = 60  # subsets of gauges that are compared
 
 
 def bootstrap(statistic: Callable[[NDArray], Real], pieces: NDArray, seed: int, repeats: int = REPEATS) -> Real:
@@ -51,7 +51,7 @@ def subsets(x: Real, k: float, seed: int) -> list[tuple[int, ...]]:
 def half_width(error: Real, count: int, scatter: Real, confidence: float) -> Real:
     """Half the confidence interval: Student's t for the bootstrap error of `count` pieces, normal for the scatter.
 
-    The two are added in squares; a part that could not be had (NaN) is left out, NaN if neither could.
+    The two are added in squares; a part that is not known (NaN) is left out; NaN if neither is.
     """
     from scipy.special import ndtri, stdtrit
 

@@ -1,6 +1,6 @@
 """Contents of a record of the surface: harmonics, period, waves between zero crossings, spectra and moments.
 
-Records may have holes, as NaN, as codes (-9999) or as times that are missing: see holes.py for what becomes of them.
+Records may have holes: NaN, codes such as -9999, or missing times. holes.py says how they are treated.
 """
 
 from __future__ import annotations
@@ -209,7 +209,7 @@ class Spectrum:
     notes: tuple[str, ...] = ()
 
     def band(self, low: float, high: float) -> Spectrum:
-        """Zero outside low <= f <= high [Hz]."""
+        """The same spectrum with zero density outside low <= f <= high [Hz]."""
         inside = (self.frequency >= low) & (self.frequency <= high)
         return Spectrum(self.frequency, np.where(inside, self.density, 0.0), self.notes)
 

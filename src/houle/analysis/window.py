@@ -1,4 +1,4 @@
-"""When to measure: once the reflected wave is steady at every gauge, before anything comes back a second time."""
+"""The window to measure in: the reflected wave is steady at every gauge, and no wave has come back a second time."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from houle.analysis.errors import AnalysisError, positive
 from houle.waves.dispersion import GRAVITY, group_velocity, wave_number
 
-ENOUGH = 5  # periods to measure, for which it is better to wait longer than to measure longer
+ENOUGH = 5  # periods of measurement; beyond these it is better to begin later than to measure longer
 
 
 @dataclass(frozen=True)
 class Window:
-    """start <= t < end [s], a whole number of `periods` of the wave; `reason` says in a sentence what set both ends."""
+    """A window start <= t < end [s] of a whole number of `periods`; `reason` is a sentence on both ends."""
 
     start: float
     end: float
@@ -46,17 +46,18 @@ def choose_window(
     """The longest window in which the gauges hold the incident wave and its first reflection, both steady, and no more.
 
     Fronts travel with the group velocity of omega [rad/s] from t = 0. Places are x [m] along the flume.
-    maker      where the wave is made             structure  its first face
-    gauges     in front of the structure, behind it, or both
+    maker      place of the maker                 structure  place of its first face
+    gauges     places in front of the structure, behind it, or both
     until      end of the record [s]              ramp       periods over which the maker starts
     settle     periods to wait after the front: it is spread by dispersion and ends in a group
     rear       a wall in or behind the structure: the wave that goes there and back must be steady, too
-    reflector  what sends the reflected wave back: the paddle (None), or the flume's end behind an internal source
-    absorbing  nothing does: an absorbing paddle, or a sponge behind the source. No absorber is perfect: if the record
+    reflector  place that sends the reflected wave back: None is the paddle; or the end behind an internal source
+    absorbing  true if nothing sends it back: an absorbing paddle, or a sponge behind the source. No absorber is
+    perfect: if the record
                leaves ENOUGH periods after it, the window begins one more way to the structure and back later, when the
                few percent that come back are steady, too. Before, they change the incident wave but not yet the
                reflected one: C_R is wrong by their share times C_R squared.
-    far_end    what sends the transmitted wave back, None if it is absorbed
+    far_end    place that sends the transmitted wave back, None if it is absorbed
     minimum    fewest periods
     Raises AnalysisError, which says how much longer the flume or the record must be.
     """

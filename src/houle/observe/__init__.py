@@ -1,8 +1,11 @@
-"""What is observed while a case runs, one file per observable.
+"""The observables of a run, one file for each: gauges, sensors, forces and others that a case can ask for.
 
-    observer    what all of them have in common: `Instrument`, `Observer`, `Instruments`, `Stations`, `Site`
     gauge, sensor, runup, overtopping, flux, phreatic, force, paddle, ledger    the observables of series.nc
     profile, snapshot    the surface and the fields, for surface.nc and fields.vtkhdf
+    levels, points, patches    levels of columns, pressure between cell centres, and surfaces, for these
+
+They follow the protocol of `houle.flow.observer`: an `Instrument` as the case gives it, an `Observer` of all
+instruments of a kind in a flow.
 
 Everything is placed once; a sample is a few operations on slices of the grid. Levels and volumes are those of the
 positions, at the ends of steps; velocities and pressures are older (`houle.fields.Field.instant`). To add an

@@ -79,7 +79,7 @@ class Opening:
         grid = flow.grid
         s = np.clip(x / grid.spacing[0], 0.0, grid.shape[0])
         self.face = min(int(s), grid.shape[0] - 1)
-        self.share = s - self.face  # of the next face
+        self.share = s - self.face  # weight of the next face
         column, weight = around(np.array([[x]]), grid)
         self.column, weight = column[0], weight[0][:, None] * (flow.medium.open_cells[column[0]].reshape(2, -1) > 0)
         total = weight.sum(axis=0)
@@ -101,7 +101,7 @@ class Opening:
 
 
 def open_spans(area: shapely.Geometry, x: float, grid: Grid, low: float, high: float) -> FloatArray:
-    """From where to where (nz, 2) [m] the upright line at x is open in each cell, between two levels.
+    """Lower and upper end (nz, 2) [m] of the opening of each cell on the upright line at x, between two levels.
 
     area: the solids of the section. Where a cell has several openings, the lowest is taken.
     """
@@ -117,5 +117,6 @@ def open_spans(area: shapely.Geometry, x: float, grid: Grid, low: float, high: f
 
 
 def _solid_sections(grid: Grid, medium: Medium) -> tuple[list[tuple[float, float]], list[shapely.Geometry]]:
+    """The layers in y [m], and the section of the solids in each."""
     parts = partition(grid, medium.bodies, medium.solids)
     return [span for span, _, _ in parts], [solid for _, solid, _ in parts]

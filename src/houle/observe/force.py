@@ -25,7 +25,7 @@ Load = tuple[FloatArray, FloatArray]  # force / rho, moment / rho
 
 @dataclass(frozen=True)
 class Force(Instrument):
-    """What the water presses on: the porous body or solid of this name, or a side of the tank.
+    """The structure that the water acts on: the porous body or solid of this name, or a side of the tank.
 
     about  point of the moments [m]; the foot of the wall, or the middle of the base of the body, when left out
     """
@@ -49,7 +49,7 @@ class Force(Instrument):
         return (*map(float, 0.5 * (low + high)[:-1]), float(low[-1]))
 
     def place(self, site: Site, flow: Flow) -> SurfaceLoad | BodyLoad:
-        """The surface or the body in a flow."""
+        """The structure in a flow: a surface or a body, which gives its load."""
         about, body = np.array(self.centre(site)), self.body or ""
         if self.side is not None:
             return SurfaceLoad(flow, patches_of_side(flow, self.side), about)
@@ -60,7 +60,7 @@ class Force(Instrument):
 
 
 class Forces(Observer[Force]):
-    """Force, moment and the drag in the force, for each structure."""
+    """Force and moment on each structure, and the part of the force that is drag."""
 
     table = "force"
     instrument = Force
@@ -135,7 +135,7 @@ class SurfaceLoad:
         self.rest_below = (centres[self.cell] - centres[self.below]) @ g
 
     def load(self, flow: Flow) -> tuple[Load, FloatArray]:
-        """Force and moment, and the part of the force that is drag: none."""
+        """Force and moment, and the part of the force that is drag: none on a surface."""
         p = flow.pressure.ravel()
         here, below = p[self.cell], p[self.below]
         wet = here != 0.0
@@ -151,12 +151,13 @@ class SurfaceLoad:
 
 
 class BodyLoad:
-    """Per density and volume: -(1 - n) g + (a + b|u_d|) u_d + (C_r/n - 1) D u_d/Dt.
+    """Force and moment on the grains of a porous body, -(1 - n) g + (a + b|u_d|) u_d + (C_r/n - 1) D u_d/Dt.
 
-    Summed over the cells, each with the volume of the body in it that is under water. u_d is the mean of the velocities
-    before and after the forces of the step and D u_d/Dt their difference over its length: both are of the instant of
-    the pressure. Where the added mass stands before du/dt alone that difference is the acceleration less its share
-    1 - 1/C_r of (u . grad) u_d, which the water has besides: so much less is left for the grains.
+    That is per density and volume; it is summed over the cells, each with the volume of the body in it that is wet. u_d
+    is the mean of the velocities before and after the forces of the step and D u_d/Dt their difference over its length:
+    both are of the instant of the pressure. Where the added mass stands before du/dt alone that difference is the
+    acceleration less its share 1 - 1/C_r of (u . grad) u_d, which the water has besides: so much less is left for the
+    grains.
     """
 
     def __init__(self, flow: Flow, number: int, about: FloatArray) -> None:
@@ -195,7 +196,7 @@ class BodyLoad:
         return found
 
     def _at_centres(self, velocity: list[FloatArray]) -> FloatArray:
-        """(d, ...) from the two faces of each axis."""
+        """Velocity (d, ...) at the centres of the cells, the mean of the two faces of each axis."""
         found = []
         for a, u in enumerate(velocity):
             s = self.cells[a]
@@ -205,9 +206,10 @@ class BodyLoad:
 
 
 def positive_part(first: FloatArray, last: FloatArray, cut_off: np.ndarray) -> tuple[FloatArray, ...]:
-    """Where a pressure that runs from `first` to `last` is above 0: start and end in 0..1, and the values there.
+    """The part of each patch on which a pressure, linear from `first` to `last`, is above 0.
 
-    Only where `cut_off`: deep in the water a suction is real.
+    Start and end of it in 0..1, and the pressure there. Patches that are not `cut_off` keep their suction: deep in the
+    water it is real.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = np.where(first != last, first / (first - last), 0.0)

@@ -44,9 +44,9 @@ class Gauge(Instrument):
 class Gauges(Observer[Gauge]):
     """Level of the free surface [m] above z = 0 at places in plan (N, d - 1), linear between columns; NaN when dry.
 
-    A level is where water is, never inside a solid: under one whose room below is full it is the underside, where
-    water stands on it the level of that. Water that is confined beside a place has no level there, nor has water behind
-    a plate.
+    A level is where water is, never inside a solid. Under a solid that the water reaches it is the underside; where
+    water stands on a solid, it is the level of that water. Water that is confined beside the place of a gauge does not
+    count, nor does water behind a plate.
     """
 
     table = "gauge"
@@ -89,13 +89,13 @@ class Gauges(Observer[Gauge]):
         return out_of_solids(self.solids, found, level, self.weight)
 
     def _behind(self, level: FloatArray) -> NDArray[np.bool_]:
-        """Which of the columns (N, K) around have their level [m] behind a plate."""
+        """Mask (N, K) of the columns around whose level [m] lies behind a plate."""
         row = np.clip(np.nan_to_num(level) // self.spacing, 0, self.hidden.shape[2] - 1).astype(np.intp)
         return np.take_along_axis(self.hidden, row[..., None], axis=2)[..., 0]
 
 
 def _hidden(flow: Flow, places: FloatArray, column: Indices) -> NDArray[np.bool_]:
-    """Whether a thin solid stands between places (N, d - 1) and columns (N, K) around them, in each row: (N, K, nz)."""
+    """Mask (N, K, nz): a thin solid stands between the places (N, d - 1) and the columns (N, K) around, in each row."""
     grid, d, nz, (n, k) = flow.grid, flow.grid.dimension, flow.grid.shape[-1], column.shape
     there = np.swapaxes(grid.points().reshape(-1, nz, d)[column], 1, 2)  # (N, nz, K, d)
     here = np.concatenate([np.repeat(places[:, None], nz, axis=1), there[:, :, 0, -1:]], axis=2)
@@ -104,8 +104,9 @@ def _hidden(flow: Flow, places: FloatArray, column: Indices) -> NDArray[np.bool_
 
 
 def _beside_plates(flow: Flow, places: FloatArray) -> FloatArray:
-    """The places (N, d - 1) in plan; those in cells that a thin solid divides moved to the water on their side of it,
-    which is told halfway up these cells.
+    """The places (N, d - 1) in plan, moved to the water on their side where a thin solid divides their cells.
+
+    The side is told halfway up these cells.
     """
     found = places.copy()
     for solid in flow.medium.solids:

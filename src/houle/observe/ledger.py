@@ -1,4 +1,4 @@
-"""The ledger in the series: volume, momentum and energy of all of the water, and what took them or gave them."""
+"""The ledger in the series: volume, momentum and energy of all water, and all that it gained and lost."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from houle.flow.state import Flow
 from houle.grid import FloatArray, axes
 from houle.medium.columns import Storage
 
-NOTES = ("divergence", "pressure_iterations", "correction_iterations")  # of the ledger, about the last step
+NOTES = ("divergence", "pressure_iterations", "correction_iterations")  # notes of the ledger about the last step
 _WORKS = {
     "drag_work": ("W_d", "energy of the water lost to the drag of porous bodies since the start"),
     "viscous_work": (r"W_\nu", "energy of the water lost to viscosity since the start"),
@@ -53,10 +53,10 @@ def _number(name: str, symbol: str, description: str) -> Field:
 
 @dataclass(frozen=True)
 class Books(Instrument):
-    """The books of a run.
+    """The ledger of a run as an instrument: it needs no place.
 
-    by_levels  whether the potential energy is that of the levels of the columns, which do not know how the particles
-               are packed, and not the sum over the particles: where waves are made
+    by_levels  true where waves are made: the potential energy is that of the levels of the columns, which do not know
+               how the particles are packed, and not the sum over the particles
     """
 
     by_levels: bool = False
@@ -154,13 +154,15 @@ class LedgerRow(Observer[Books]):
         }
 
     def mean_level(self) -> float:
-        """Water under the free surface over the plan area [m]: by the levels of the columns, and by what those hold
-        that have none, steep, overhanging or beside interfaces.
+        """Mean level [m]: volume of the water under the free surface over the plan area.
+
+        Columns with a level count by it; the others (steep, overhanging, beside interfaces) by the water that they
+        hold.
         """
         return self._storage.mean_level(self.flow.eta, self.flow.boundaries.column_share, water_held(self.flow))
 
     def potential_energy(self, ledger: Ledger) -> float:
-        """Potential energy over density [m^d m2/s2]: of the levels where waves are made, else of the particles."""
+        """Potential energy over density [m^d m2/s2]: that of the levels where waves are made, else of the particles."""
         *along, down = self.flow.gravity
         if not self.by_levels or any(along):
             return ledger.potential
@@ -172,9 +174,9 @@ class LedgerRow(Observer[Books]):
 
 
 def water_held(flow: Flow) -> tuple[NDArray[np.bool_], FloatArray]:
-    """Columns without a level and beside interfaces and solids; water (these,) in them over their plan area [m].
+    """Mask of the columns without a level, or beside interfaces and solids; water in these over the plan area (C,) [m].
 
-    Without a level are those whose surface is that of their cells: steep, overhanging, splashing, or beside such.
+    A column has no level if its surface is that of its cells: it is steep, overhanging, splashing, or beside such.
     """
     columns = flow.eta != flow.single_level * flow.grid.spacing[-1]
     columns.ravel()[flow.mixed.column] = True

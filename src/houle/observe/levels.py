@@ -1,11 +1,11 @@
-"""Levels of the water in columns of cells, and what of the solids stands in their way.
+"""Levels of the water in columns of cells, and the solids under, over and beside that water.
 
     around, mean_of_known   from the columns of the grid to a place between them
-    wet_share               how much of each cell is under water
+    wet_share               share of each cell that is under water
     SolidsAt                the solids on the upright lines at places in plan
     Columns                 levels of columns of cells, beside, under and on solids
 
-What solids have to do with it is exact for polygons, and found once, before the run.
+The places of solids are exact for polygons, and found once, before the run.
 """
 
 from __future__ import annotations
@@ -24,17 +24,18 @@ from houle.medium.sections import partition
 from houle.medium.shapes import spans_inside
 
 Indices = NDArray[np.intp]
-Plan = tuple[slice | Indices, ...] | Indices  # which columns of cells, by index in plan
+Plan = tuple[slice | Indices, ...] | Indices  # columns of cells, by their indices in plan
 
-BESIDE = 1e-6  # [cells] what is solid on both sides of a line, so near, is so on the line
-THIN = 0.25  # cells of water on a solid that are not taken for its level: less than a layer of particles
-CLEAR = 2.0  # cells of water on a solid from which on the cells show its surface exactly
+BESIDE = 1e-6  # [cells] a point of a line is solid if it is solid so far to the left and to the right
+THIN = 0.25  # depth of water on a solid [cells] that counts as none: less than a layer of particles
+CLEAR = 2.0  # depth of water on a solid [cells] from which on the cells show its surface exactly
 
 
 def around(points: FloatArray, grid: Grid) -> tuple[Indices, FloatArray]:
-    """The 2^k cell centres around each of the points (N, k) in the first k axes: flat numbers over those axes, weights.
+    """The 2^k cell centres around points (N, k) in the first k axes: their flat numbers over these axes, and weights.
 
-    Both (N, 2^k); linear. Beyond the outermost centres the outermost one counts; periodic axes wrap.
+    Both are (N, 2^k), for linear interpolation. Beyond the outermost centres the outermost one counts; periodic axes
+    wrap.
     """
     points = np.asarray(points, float)
     index, weight = np.zeros((len(points), 1), np.intp), np.ones((len(points), 1))
@@ -61,7 +62,7 @@ def mean_of_known(values: FloatArray, weight: FloatArray) -> FloatArray:
 def wet_share(flow: Flow, columns: Plan) -> FloatArray:
     """Share of each cell that is under water, from its bottom up, in some columns (..., nz).
 
-    Cells between the water and a surface tell by their depth; those deeper are wet, however the particles lie in them.
+    A cell at the surface is wet by its depth; deeper ones are wet, however the particles lie in them.
     """
     kind, opened = flow.medium.listed("open_cells")
     active, open_ = flow.active[columns] > 0, opened[kind[columns]] > 0.0
@@ -91,7 +92,8 @@ def crossings(area: shapely.Geometry, x: FloatArray) -> tuple[FloatArray, FloatA
 class SolidsAt:
     """The solids on upright lines at places (N, d - 1) in plan: number (K,) of the line, low and high (K,) ends [m].
 
-    From the lowest up. A line along the face of a solid is outside. hangs (K,): whether there is room below.
+    They are ordered from the lowest up. A line along the face of a solid is outside. hangs (K,): true if the solid does
+    not stand on the floor.
     """
 
     def __init__(self, grid: Grid, medium: Medium, places: FloatArray) -> None:
@@ -110,16 +112,16 @@ class SolidsAt:
         self.hangs = self.low > 0.0
 
     def holds(self, level: FloatArray) -> NDArray[np.bool_]:
-        """Which of the solids (K,) the levels (N,) lie inside."""
+        """Mask (K,) of the solids inside which the levels (N,) [m] lie."""
         return (level[self.number] > self.low) & (level[self.number] < self.high)
 
 
 class Columns:
     """Levels of some columns of cells (C,), given by their flat numbers over the plan, as they are at their centres.
 
-    The core finds the free surface whatever solid may be there. Where one hangs over the water, and the room below is
-    full, the surface is not free but confined, and the level is the underside; where water stands on it, the level is
-    that of this water.
+    The level that the core finds may lie inside a solid. Where a solid hangs over the water and the water reaches
+    it, the surface is not free but confined, and the level is the underside; where water stands on the solid, the level
+    is that of this water.
     """
 
     def __init__(self, flow: Flow, number: Indices) -> None:
@@ -130,7 +132,7 @@ class Columns:
         self.ponds = Ponds(flow, self.solids, number)
 
     def levels(self, flow: Flow) -> tuple[FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
-        """Levels (C,) [m], NaN where dry; which (C,) are confined; which lie in a solid that stands on the floor."""
+        """Levels (C,) [m], NaN where dry; masks (C,): confined ones, ones in a solid on the floor."""
         level = self.ponds.levels(flow, flow.eta.ravel()[self.number])
         confined, buried = np.zeros((2, len(level)), bool)
         inside = self.solids.holds(level)
@@ -141,7 +143,7 @@ class Columns:
 
 
 class Ponds:
-    """Water that stands on solids with room below, over the centres of some columns (C,)."""
+    """Water that stands on solids which do not stand on the floor, at the centres of some columns (C,)."""
 
     def __init__(self, flow: Flow, solids: SolidsAt, column: Indices) -> None:
         grid, nz = flow.grid, flow.grid.shape[-1]
@@ -150,21 +152,21 @@ class Ponds:
         h, k = grid.spacing[-1], np.arange(nz)
         floor = np.floor(self.top / h + 1e-9).astype(int)[:, None]  # the cell in which it stands
         inverse = flow.inverse_capacity.reshape(-1, nz)[self.column] * flow.medium.porosity.reshape(-1, nz)[self.column]
-        room = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)
-        whole = room.max(axis=1, initial=1e-300, where=(k >= floor) & (k < floor + 3))[:, None]
-        away = np.clip(self.top[:, None] / h - (k + 0.5), -1.0, 1.0)  # of the top from the centres [cells]
-        over = np.where(away < 0.0, 1.0 - 0.5 * (1.0 + away) ** 2, 0.5 * (1.0 - away) ** 2)  # of each tent, above it
-        self.height = h * np.minimum(room / whole, over)  # of the water on the solid in each tent when it is full
+        tent = np.divide(1.0, inverse, out=np.zeros_like(inverse), where=inverse > 0.0)  # open volume of each
+        whole = tent.max(axis=1, initial=1e-300, where=(k >= floor) & (k < floor + 3))[:, None]
+        away = np.clip(self.top[:, None] / h - (k + 0.5), -1.0, 1.0)  # height of the top above the centres [cells]
+        over = np.where(away < 0.0, 1.0 - 0.5 * (1.0 + away) ** 2, 0.5 * (1.0 - away) ** 2)  # share of tents above
+        self.height = h * np.minimum(tent / whole, over)  # water [m] on the solid in each full tent
         self.below, self.thin = k < floor, THIN * h
 
     def levels(self, flow: Flow, level: FloatArray) -> FloatArray:
-        """The levels (C,) [m], those under a pond replaced by its own, in a new array."""
+        """The levels (C,) [m] with those of columns under such water replaced by its own, in a new array."""
         found = level.copy()
         if len(self.at) == 0:
             return found
         fill = flow.fill.reshape(-1, flow.grid.shape[-1])[self.column]
         wet = np.logical_and.accumulate((fill >= 0.5) | self.below, axis=1)  # from the solid up without a gap
-        for _ in range(2):  # and what the surface leaves in the cells above
+        for _ in range(2):  # and the two above it, which the surface may reach
             wet[:, 1:] |= wet[:, :-1]
         depth = (fill * self.height * wet).sum(axis=1)
         with np.errstate(invalid="ignore"):
@@ -176,8 +178,8 @@ class Ponds:
 def out_of_solids(solids: SolidsAt, level: FloatArray, columns: FloatArray, weight: FloatArray) -> FloatArray:
     """The levels (N,), those inside a solid moved to where the water is.
 
-    If most of the columns (N, K) around, by their weights, stand higher than the solid, on it; else the water is
-    confined below, at the underside; NaN where that is the floor.
+    The water is on the solid if most of the columns (N, K) around, by their weights, stand higher than it. Else it is
+    confined below, and its level is the underside; NaN for a solid on the floor.
     """
     inside = np.flatnonzero(solids.holds(level))
     found, n = level.copy(), solids.number[inside]

@@ -18,7 +18,7 @@ from houle.grid import FloatArray
 class Overtopping(Instrument):
     """A crest at x [m].
 
-    level  what passes below it is not counted [m]; None: all is
+    level  water that passes below it is not counted [m]; None: all is counted
     to     the side behind the crest, "left" or "right"
     """
 

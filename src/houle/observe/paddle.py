@@ -1,4 +1,4 @@
-"""Where the moving walls of a case stand: the piston that makes waves, and walls that absorb them."""
+"""Positions of the moving walls of a case: the piston that makes waves, and walls that absorb them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class MovingWall(Instrument):
 
 
 class PaddlePositions(Observer[MovingWall]):
-    """Position of each moving wall; all of a flow are observed."""
+    """Positions of the moving walls of a flow, all of them."""
 
     instrument = MovingWall
     fields = (Field("paddle_position", "X", "m", "paddle", "position of the moving wall along x"),)

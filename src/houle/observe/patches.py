@@ -1,8 +1,8 @@
 """The surfaces on which water presses, solids and sides of the tank, cut into patches of one cell each.
 
 A patch is a piece of an edge of the section, from a to b, times a width in y; a face across y is taken cell by cell.
-The pressure along it is linear: that of its cell, plus what water at rest has between the centre of the cell and the
-ends of the patch (along a fixed wall nothing else changes towards it).
+The pressure along it is linear: that of its cell, plus the hydrostatic difference between the centre of the cell and
+the ends of the patch (no other part of the pressure changes towards a fixed wall).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from houle.medium.sections import partition, repeated, section
 from houle.medium.shapes import Shape, Span
 
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (-1, 0), "top": (-1, 1)}
-NEAR = 1e-6  # [cells] from a surface, the cell on its wet side is looked for
+NEAR = 1e-6  # distance [cells] from a surface at which the cell on its wet side is looked for
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Patches:
     def gather(
         cls, grid: Grid, open_cells: FloatArray, found: list[tuple[FloatArray, FloatArray, FloatArray]]
     ) -> Patches:
-        """From (a, b, area) of patches; those with no water in front of them are left out."""
+        """The patches made of these (a, b, area); those with no water in front of them are left out."""
         d = grid.dimension
         a, b, area = (
             (np.concatenate([np.empty((0, d)), *parts]) for parts in zip(*found, strict=True))

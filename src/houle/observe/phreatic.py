@@ -21,7 +21,7 @@ from houle.observe.levels import SolidsAt, around, crossings, layer_at, mean_of_
 
 @dataclass(frozen=True)
 class Phreatic(Instrument):
-    """The line in the porous body of this name at some x [m]: at every column of the grid in it when left out.
+    """The phreatic line in the porous body of this name, at some x [m]; by default at every column of the grid in it.
 
     y  in 3D, the upright plane in which the line lies [m]
     """
@@ -54,7 +54,7 @@ class Phreatic(Instrument):
 
 
 class PhreaticLines(Observer[Phreatic]):
-    """Levels [m] above z = 0 of the lines, one behind the other."""
+    """Levels [m] above z = 0 of all phreatic lines, one line after the other."""
 
     table = "phreatic"
     instrument = Phreatic
@@ -109,10 +109,10 @@ class PoreLevels:
 
 
 def first_surface(depth: FloatArray, closed: NDArray[np.bool_], h: float) -> FloatArray:
-    """Level (N,) [m] of the lowest free surface of columns (N, nz), NaN where dry.
+    """Level (N,) [m] of the lowest free surface in columns of cells, NaN where dry.
 
-    depth: of the cell centres below the surface, in cells (theory, eq. (8)). Closed cells are passed; where the cells
-    under one are full the water is confined by it, and its level is their upper end.
+    depth (N, nz): of the cell centres below the surface, in cells (theory, eq. (8)). Closed cells are passed. Where the
+    cells under one are full the water is confined by it, and the level is their upper end.
     """
     rows, nz = np.arange(len(depth)), depth.shape[1]
     dry = (depth < 0.0) & ~closed
@@ -128,7 +128,7 @@ def first_surface(depth: FloatArray, closed: NDArray[np.bool_], h: float) -> Flo
 
 
 def body_levels(grid: Grid, medium: Medium, shape: Shape, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Bottom and top (N,) [m] of a body at places (N, 1 or 2) in plan, without the solids in it; NaN beside it."""
+    """Bottom and top (N,) [m] of a body at places (N, d - 1) in plan, without the solids in it; NaN beside it."""
     low, high = np.full(len(places), np.nan), np.full(len(places), np.nan)
     parts = partition(grid, medium.bodies, medium.solids, [shape])
     spans = [span for span, _, _ in parts]

@@ -1,4 +1,4 @@
-"""Pressure and Darcy velocity at points, and what the pressure does between the centres of cells."""
+"""Pressure and Darcy velocity at points, and the hydrostatic part of the pressure between the centres of cells."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def velocity_at(flow: Flow, points: FloatArray) -> FloatArray:
 
 
 def still_gravity(flow: Flow) -> FloatArray:
-    """The accelerations (d,) [m/s2] that water at rest answers with a pressure: not those along periodic axes."""
+    """Gravity (d,) [m/s2] that water at rest balances by pressure: none along periodic axes."""
     return np.where(flow.grid.periodic, 0.0, flow.gravity)
 
 
 def cell_below(cell: np.ndarray, grid: Grid, steps: int = 1) -> np.ndarray:
-    """Flat number of the cell so many steps below, in the same column; at its ends the cell itself."""
+    """Flat number of the cell so many steps below in the same column; the cell itself where the column ends."""
     nz = grid.shape[-1]
     k = cell % nz
     return np.where((k - steps >= 0) & (k - steps < nz), cell - steps, cell)

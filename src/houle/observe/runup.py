@@ -1,4 +1,4 @@
-"""[[runup]]: run-up, where the water that is connected with the sea ends on a slope or at a wall."""
+"""[[runup]]: run-up, the end of the water that is connected with the sea, on a slope or at a wall."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from houle.medium.medium import Medium
 from houle.medium.sections import partition
 from houle.observe.levels import crossings, layer_at
 
-PARTS = 16  # of a cell, in which the profile of the slope is known
+PARTS = 16  # parts of a cell: the profile of the slope is known at their ends
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class RunUp(Instrument):
 
 
 class RunUps(Observer[RunUp]):
-    """Where the connected water ends on each stretch, and at which level."""
+    """Position and level [m] of the end of the connected water on each stretch of slope."""
 
     table = "runup"
     instrument = RunUp
@@ -83,9 +83,9 @@ class Tip:
     """The tip (x, level) [m] of the water between `ends` = (x in the water, x up the slope), NaN when the first is dry.
 
     From the seaward end the columns are followed as long as the water above solids and porous bodies is thicker than
-    the threshold. Between the last such column and the next, the tip is where the surface, the straight line through
-    the last two, comes nearer to the slope than that. At a wall it is where the surface meets the wall. In 3D it is the
-    highest tip of all rows.
+    the threshold. Between the last such column and the next, the surface goes on along the straight line through the
+    last two columns; the tip is where that line comes nearer to the slope than the threshold. At a wall it is where the
+    surface meets the wall. In 3D it is the highest tip of all rows.
     """
 
     def __init__(self, flow: Flow, ends: tuple[float, float], threshold: float) -> None:

@@ -38,8 +38,8 @@ class Sensor(Instrument):
 class Sensors(Observer[Sensor]):
     """Pressure and Darcy velocity at fixed points (N, d), up to the very floor, wall or free surface.
 
-    What is interpolated, linearly, is the part of the pressure beyond that of water at rest, p/rho - g.x: it has no
-    gradient towards a fixed wall, and goes on above the last cell of the water to the surface. A dry sensor reads 0.
+    The pressure beyond that of water at rest, p/rho - g.x, is interpolated linearly: it has no gradient towards a fixed
+    wall, and goes on above the last cell of the water to the surface. A dry sensor reads 0.
     One on a thin plate reads the water on its side (`houle.medium.plate_sides`).
     """
 

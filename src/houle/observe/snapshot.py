@@ -1,4 +1,4 @@
-"""One instant of a run as the writers and the pictures see it: particles, cells, and the profile of the surface."""
+"""Snapshots of a run for the writers and the pictures: particles, cells, and the profile of the surface."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Profile:
 
 
 class Snapshots:
-    """Takes frames of a flow on the grid of the whole tank: above the rows of cells that the flow keeps is air."""
+    """Takes snapshots of a flow on the grid of the whole tank: above the rows of cells that the flow keeps is air."""
 
     def __init__(self, flow: Flow, grid: Grid, density: float) -> None:
         self.flow, self.grid, self.density = flow, grid, density

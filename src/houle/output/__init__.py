@@ -1,17 +1,17 @@
-"""What a run writes. What has a name is whole: kill -9 leaves readable files.
+"""The files of a run: series, surface, fields, checkpoints, manifest, pictures. kill -9 leaves all of them readable.
 
 For the runner (every failure of the file system is an OutputError: one message with path and cure):
 
-    out = Outputs(directory, grid, stations, about(case.identity))   writes nothing yet; stations: of what is observed
-    out.truncate_after(time, row)          to resume: go on with the files there, what is after those times is dropped;
-                                           returns what is lost of them, in words
+    out = Outputs(directory, grid, stations, about(case.identity))   writes nothing yet; stations of the observers
+    out.truncate_after(time, row)          to resume: goes on with the files there and drops all after those times;
+                                           returns in words what is missing before
     out.append_series(time, sample)        Simulation.sample(): eta, pressure, velocity and ledger scalars
     out.append_frame(frame)                a profile of surface.nc and a frame of fields.vtkhdf
     out.commit()                           everything appended so far is in the files; call it before each checkpoint
     out.commit_if_due(seconds)             the same, at most once in so many seconds of wall time; call it every step
     out.close()                            commit, and pack each of the three into the file that stays
 
-    save_checkpoint(directory, step, state, meta)   state: arrays and scalars by name; meta: what JSON can hold
+    save_checkpoint(directory, step, state, meta)   state: arrays and scalars by name; meta: values for JSON
     load_newest(directory)                          Checkpoint or None: .path .step .state .meta; skips a damaged file
     checkpoints(directory)                          their paths, newest first
 
@@ -20,12 +20,12 @@ For the runner (every failure of the file system is an OutputError: one message 
     write_manifest(directory, manifest)             run.json; read_manifest(directory)
 
     read_series(directory), read_surface(directory) xarray.Dataset, in memory; the files are closed
-    series_table(directory), surface_table(directory)   the same as Table, for who has no time to import xarray
+    series_table(directory), surface_table(directory)   the same as Table, without the import of xarray
     read_fields(directory)                          FieldsReader: .times, .nearest(time), .frame(i)
 
 Pictures and films import matplotlib, so import them late:
 
-    houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)    all there is data for
+    houle.output.pictures.write_pictures(directory, case, grid, series, surface, fields)
     houle.output.movie.write_movie(path, case, fields, rate=25)
 
 A new writer: copy surface.py, add it to Outputs.
@@ -80,7 +80,7 @@ class Outputs:
     def __init__(
         self, directory: Path | str, grid: Grid, stations: Sequence[Stations], attributes: Mapping[str, str]
     ) -> None:
-        """stations: of what is observed, for the series; attributes: global ones, what made the files (`about`)."""
+        """stations: where the values of each observer stand; attributes: global ones of all files (`about`)."""
         folder = Path(directory)
         self.series = SeriesWriter(folder, grid.dimension, stations, attributes)
         self.surface = SurfaceWriter(folder, grid, attributes)
@@ -88,27 +88,27 @@ class Outputs:
         self._committed = clock.monotonic()
 
     def append_series(self, time: float, sample: Mapping[str, Any]) -> None:
-        """One row of gauges, sensors and ledger at a simulated time [s]."""
+        """Adds one row of gauges, sensors and ledger at a simulated time [s]."""
         self.series.append(time, sample)
 
     def append_frame(self, frame: Snapshot) -> None:
-        """One profile of the surface and one frame of the fields."""
+        """Adds one profile of the surface and one frame of the fields."""
         self.surface.append(frame)
         self.fields.append(frame)
 
     def commit(self) -> None:
-        """Everything appended is in the files; they can be read by others. Do it before a checkpoint."""
+        """Brings everything appended into the files, which others can read then. Call it before a checkpoint."""
         for writer in (self.series, self.surface, self.fields):
             writer.commit()
         self._committed = clock.monotonic()
 
     def commit_if_due(self, seconds: float) -> None:
-        """Commit, at most once in so many seconds of wall time."""
+        """Commits, at most once in so many seconds of wall time."""
         if clock.monotonic() - self._committed > seconds:
             self.commit()
 
     def close(self) -> None:
-        """Commit, and pack each file as it stays. At the end of a stretch of a run, however it ends."""
+        """Commits, and packs each file as it stays, at the end of a stretch of a run, however it ends."""
         for writer in (self.series, self.surface, self.fields):
             writer.close()
 
@@ -122,9 +122,10 @@ class Outputs:
     ) -> list[str]:
         """Resume at a checkpoint of this simulated time [s], whose last row of the series was at `row` [s].
 
-        What is later is dropped, the run writes it again. What should be there and is not is told in words, for it is
-        lost: frames are the times [s] of those written, sample is a row of the series, hashes are those of the cases
-        whose files they may be.
+        All that is later is dropped: the run writes it again. Returns in words what should be there and is lost.
+
+        frames  times [s] of the frames that were written     sample  a row of the series as it will be appended
+        hashes  of the cases whose files they may be
         """
         last = frames[-1] if frames else time
         return [

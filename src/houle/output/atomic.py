@@ -41,31 +41,31 @@ class OutputError(HouleError):
         self.path = Path(path)
 
 
-# What h5py, h5netcdf and our own reading raise about a file that is not as it was written
+# Exceptions that h5py, h5netcdf and our own reading raise about a damaged file
 DAMAGES = (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError, ArithmeticError, MemoryError)
 
 
 def told(error: BaseException) -> str:
-    """What was raised, in one line."""
+    """An exception in one line: its class and its text."""
     words = " ".join(str(error).split())[:200]
     return f"{type(error).__name__}: {words}" if words else type(error).__name__
 
 
 def regular(path: Path) -> Path:
-    """The path as it is. Raises OSError where a device or a pipe stands, which would be read for ever."""
+    """The path itself. Raises OSError for a device or a pipe, which would be read for ever."""
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise OSError(f"{path.name} is a device or a pipe, no file")
     return path
 
 
 def remove(path: Path) -> None:
-    """The file is not there."""
+    """Removes a file, if it is there."""
     with contextlib.suppress(FileNotFoundError):
         path.unlink()
 
 
 def remove_leftovers(directory: Path) -> None:
-    """Removes what runs that were killed left half-written. Only who holds the folder may do it."""
+    """Removes half-written files of runs that were killed. Only the process that has locked the folder may call it."""
     for folder in (directory, directory / ".fields"):
         for path in folder.glob(".*"):
             if LEFTOVER.fullmatch(path.name):
@@ -75,14 +75,14 @@ def remove_leftovers(directory: Path) -> None:
 
 
 def put_aside(path: Path) -> None:
-    """Gives what is damaged another name, if it is there at all."""
+    """Renames a damaged file to NAME.damaged, if it is there at all."""
     with reported(path), contextlib.suppress(FileNotFoundError):
         os.replace(path, path.with_name(path.name + ".damaged"))
 
 
 @contextlib.contextmanager
 def reported(path: Path) -> Iterator[None]:
-    """Turn what the file system and HDF5 raise when they write into OutputError about `path`."""
+    """Turns errors of the file system, and of HDF5 when it writes, into OutputError about `path`."""
     try:
         yield
     except OutputError:
@@ -106,7 +106,7 @@ def _errno(error: BaseException) -> int | None:
 
 @contextlib.contextmanager
 def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
-    """Yield a temporary path in the same folder; on leaving, rename it to `path`. On any error nothing of it stays.
+    """Yields a temporary path in the same folder and renames it to `path` at the end. After an error it is removed.
 
     durable: the bytes are on the disk before the rename (against power cuts; a killed process needs no such care).
     """
@@ -128,7 +128,7 @@ def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def new_hdf5(path: Path, *, durable: bool = False) -> Iterator[h5py.File]:
-    """An HDF5 file to be filled, that appears whole under its name or not at all."""
+    """Yields an HDF5 file to be filled, which appears under its name whole or not at all."""
     with (
         replacing(path, durable=durable) as temporary,
         Sink(temporary) as sink,
@@ -138,16 +138,16 @@ def new_hdf5(path: Path, *, durable: bool = False) -> Iterator[h5py.File]:
 
 
 class Sink:
-    """A file for HDF5, which crashes when a write fails: takes everything, and tells of the first error at the end.
+    """A file for HDF5, which crashes when a write fails: this takes every write, and raises the first error at the end.
 
-    A new one, or with mode "r+b" the one that is there. What is written after an error is kept in memory: HDF5 may want
-    to read it again before it is done.
+    The file is a new one, or with mode "r+b" the one that is there. Bytes written after an error are kept in memory:
+    HDF5 may want to read them again before it is done.
     """
 
     def __init__(self, path: Path, mode: Literal["w+b", "r+b"] = "w+b") -> None:
         self.file: FileIO = open(path, mode, buffering=0)  # noqa: SIM115
         self.error: OSError | None = None
-        self.kept: list[tuple[int, bytes]] = []  # place and what was written there in vain
+        self.kept: list[tuple[int, bytes]] = []  # places, and the bytes that could not be written there
         self.place, self.end = 0, os.fstat(self.file.fileno()).st_size
 
     def __enter__(self) -> Sink:
@@ -212,13 +212,13 @@ class Sink:
 
 
 def write_text(path: Path, text: str) -> None:
-    """The whole text, in UTF-8, or nothing."""
+    """Writes a text file in UTF-8, whole or not at all."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
 def _sync(path: Path) -> None:
-    """Flush a file, or a folder where the system allows it, to the disk."""
+    """Flushes a file, or a folder where the system allows it, to the disk."""
     if path.is_dir() and os.name == "nt":
         return  # Windows cannot open a folder
     descriptor = os.open(path, os.O_RDONLY if path.is_dir() else os.O_RDWR)

@@ -1,8 +1,8 @@
 """checkpoint-<step>.h5: all that a run needs to go on bitwise as if it had not stopped. The newest two are kept.
 
-A checkpoint is on the disk before it gets its name, and carries a SHA-256 of its content and, in the block of the user
-in front, one of its bytes: what a power cut, a full disk or a copy spoiled is found out before HDF5 reads it and passed
-over, and the one before is taken.
+A checkpoint is on the disk before it gets its name. It carries a SHA-256 of its content and, in a block in front of the
+HDF5 file, one of its bytes. So a file that a power cut, a full disk or a copy has spoiled is found out before HDF5
+reads it, and the checkpoint before it is taken.
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from numpy.typing import NDArray
 
 from houle.output.atomic import DAMAGES, Sink, regular, replacing, reported
 
-KEPT = 2
+KEPT = 2  # checkpoints in a folder
 BLOCK = 512  # bytes in front of the HDF5 file, which it leaves to the user
 WORDS = "houle checkpoint, HDF5 after this block of 512 bytes\nsha256 of the rest: "
-FORMAT = 2  # 1: without groups
+FORMAT = 2  # the first format had no groups
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """state: arrays and scalars by their paths in the tree of components, bitwise as saved.
+    """A checkpoint as it was saved.
 
-    meta: what JSON holds (time, hash of the case, ...).
+    state  arrays and scalars by their paths in the tree of components, bitwise as saved
+    meta   values that JSON can hold: time, hash of the case, ...
     """
 
     path: Path
@@ -40,7 +41,10 @@ class Checkpoint:
 
 
 def save_checkpoint(directory: Path, step: int, state: Mapping[str, Any], meta: Mapping[str, Any]) -> Path:
-    """Write the file whole, then remove all but the newest two, and those of later steps (the run was cut back)."""
+    """Writes a checkpoint, whole or not at all. Then removes all but the newest two, and those of later steps.
+
+    There are later ones when a run was taken up again from an earlier step.
+    """
     path = Path(directory) / f"checkpoint-{step}.h5"
     arrays = {name: np.asarray(value) for name, value in state.items()}
     text = json.dumps(dict(meta), sort_keys=True)
@@ -58,7 +62,7 @@ def save_checkpoint(directory: Path, step: int, state: Mapping[str, Any], meta: 
 
 
 def checkpoints(directory: Path) -> list[Path]:
-    """The files, newest step first, good or not."""
+    """Paths of the checkpoints, newest step first, damaged ones too."""
     found = [path for path in Path(directory).glob("checkpoint-*.h5") if _step(path) is not None]
     return sorted(found, key=lambda path: _step(path) or 0, reverse=True)
 
@@ -88,7 +92,7 @@ def load(path: Path) -> Checkpoint | None:
 
 
 def _leaves(tree: h5py.Group) -> dict[str, NDArray]:
-    """The arrays of a tree of groups by their paths in it; links lead nowhere."""
+    """The arrays of a tree of groups by their paths in it; links are not followed."""
     found = {}
 
     def leaf(name: str, node: h5py.Group | h5py.Dataset) -> None:
@@ -100,14 +104,14 @@ def _leaves(tree: h5py.Group) -> dict[str, NDArray]:
 
 
 def _values(dataset: h5py.Dataset) -> NDArray:
-    """Raises ValueError where the numbers are not in the file, before memory is taken for them."""
+    """Numbers of a dataset. Raises ValueError if the file does not hold them all, before memory is taken for them."""
     if dataset.size and dataset.id.get_storage_size() != dataset.size * dataset.dtype.itemsize:
         raise ValueError(f"{dataset.name} holds less than its shape says")
     return np.asarray(dataset[()])
 
 
 def _seal(path: Path) -> bytes:
-    """The block in front: what this is, and the SHA-256 of the bytes behind it."""
+    """The block in front: a line that says what the file is, and the SHA-256 of the bytes behind the block."""
     total = hashlib.sha256()
     with open(path, "rb") as file:
         file.seek(BLOCK)
@@ -117,7 +121,7 @@ def _seal(path: Path) -> bytes:
 
 
 def _unbroken(path: Path) -> bool:
-    """Whether the bytes are those that were written; a file of an earlier version does not tell."""
+    """True if the bytes are those that were written, or the file is of an earlier version, which has no block."""
     with open(path, "rb") as file:
         start = file.read(BLOCK)
     return start.startswith(b"\x89HDF") or start == _seal(path)

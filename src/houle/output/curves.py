@@ -16,7 +16,7 @@ from houle.output import drawing
 from houle.output.drawing import FAINT, LINES, headings, label, label_ends, sheet
 
 Curves = dict[str, FloatArray]
-LEFT = 0.78  # inches, for numbers and units
+LEFT = 0.78  # left margin for numbers and units [inches]
 MOST = 10  # gauges in a picture
 
 
@@ -46,7 +46,7 @@ def ledger_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
 
 
 def gauges_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
-    """The free surface at the gauges, of many at some; pressure and horizontal Darcy velocity at the sensors."""
+    """The free surface at the gauges (at most MOST of them); pressure and horizontal Darcy velocity at the sensors."""
     rows: list[tuple[str, str, Curves]] = []
     words = "gauges and sensors  ·  a gap is a dry gauge"
     if "eta" in series:
@@ -75,9 +75,9 @@ def gauges_picture(path: Path, case: Case, grid: Grid, series: Data) -> Path:
 def draw_curves(
     panel: Axes, time: FloatArray, curves: Curves, unit: str, below: str, heights: tuple[float, float] | None = None
 ) -> None:
-    """Lines named at their right ends, the zero line faint, the unit on the axis with a power of ten if need be.
+    """Draws curves named at their right ends, over a faint zero line; the axis has the unit, if need be times 10^n.
 
-    below: label of the time axis; heights: of the panel, if not those of the curves.
+    below: label of the time axis; heights: limits of the panel, by default those of the curves.
     """
     finite = np.concatenate([values[np.isfinite(values)] for values in curves.values()])
     scale = _power_of_ten(float(np.abs(finite).max(initial=0.0)))
@@ -105,12 +105,12 @@ def _limits(values: FloatArray) -> tuple[float, float]:
 
 
 def _power_of_ten(largest: float) -> int:
-    """0 where numbers read well as they are, else the multiple of 3 that leaves them between 0.1 and 100."""
+    """Exponent that an axis is divided by: 0 where numbers read well, else the multiple of 3 that leaves 0.1 to 100."""
     return 0 if largest == 0 or 1e-2 <= largest < 1e4 else 3 * round((np.log10(largest) - 0.5) / 3)
 
 
 def _energies(series: Data) -> Curves:
-    """Change of kinetic, potential and total energy, what makers gave, and what was lost on purpose (downwards)."""
+    """Change of kinetic, potential and total energy, work of makers, and (downwards) of drag, viscosity and sponges."""
     if "kinetic_energy" not in series or "potential_energy" not in series:
         return {}
     kinetic, potential = (series[f"{kind}_energy"].values for kind in ("kinetic", "potential"))
@@ -136,7 +136,7 @@ def _places(series: Data, kind: str, form: str) -> list[str]:
 
 
 def _level_limits(eta: FloatArray) -> tuple[float, float] | None:
-    """Close around the surface; never so close that round-off looks like a wave. None when all is dry."""
+    """Limits close around the levels, but never so close that round-off looks like a wave. None when all is dry."""
     wet = eta[np.isfinite(eta)]
     if not len(wet):
         return None

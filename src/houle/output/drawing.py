@@ -38,13 +38,13 @@ LABORATORY = "#c44e17"
 STONE, STONE_LINE, SOLID, PALE = "#f3efe6", "#8c8069", "#b3bac0", "#dbdee0"
 LINES = ("#1f5f8b", "#d98c1f", "#4d8f6b", "#8a5a9e", "#6b7680", "#c44e17", "#22303c", "#5aa9d6")
 DPI = 150
-KEY_MARK = 0.42  # inches, of the mark of an entry of a key and the gap after it
-ROW = 0.17  # inches, of a row of a key
+KEY_MARK = 0.42  # length of the mark of an entry of a key and of the gap after it [inches]
+ROW = 0.17  # height of a row of a key [inches]
 TEXT, SMALL = 8.5, 7.5  # points; every other size costs a search for its font
 LEAST = 6.0  # points: smaller cannot be read
-WIDEST = 1.2  # no letter is wider, of its size
-DIGIT, WIDTHS = 0.64, {".": 0.32, "−": 0.84}  # of letters in numbers, of their size
-COMPRESSION = 1  # of PNG: a third of the time of the usual 6
+WIDEST = 1.2  # width of the widest letter over the size of the font
+DIGIT, WIDTHS = 0.64, {".": 0.32, "−": 0.84}  # width of a digit, and of signs in numbers, over the size of the font
+COMPRESSION = 1  # level for PNG: takes a third of the time of the usual 6
 
 _STYLE: dict[str, Any] = {
     "font.family": ["DejaVu Sans"],
@@ -82,10 +82,10 @@ def pressures() -> Colormap:
 
 
 class Panel(Axes):
-    """Axes without ticks of their own, which cost as much as all the rest of a picture: `scales` draws them."""
+    """Axes without ticks of their own, which take as long as all the rest of a picture: `scales` draws them."""
 
     def grid(self, *_: Any, **__: Any) -> None:
-        """There is none."""
+        """Does nothing: a panel has no grid lines."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class Sheet:
     columns: int
 
     def save(self, path: Path) -> Path:
-        """PNG, whole or not at all."""
+        """Saves the sheet as PNG, whole or not at all."""
         import houle
 
         with replacing(path) as temporary:
@@ -108,7 +108,7 @@ class Sheet:
         return path
 
     def legend(self, handles: Sequence[Any], above: float = 0.1) -> None:
-        """In the lower margin at the right, so many inches above the edge."""
+        """Puts a legend into the lower margin at the right, so many inches above the edge."""
         if not handles:
             return
         height = self.figure.get_size_inches()[1]
@@ -126,7 +126,7 @@ class Sheet:
         )
 
     def key(self, handles: Sequence[Any], above: float = 0.1) -> None:
-        """The key of the marks in rows under the panels, from the left; above: inches from the edge to the last row.
+        """Puts a key of the marks under the panels, in rows from the left; above: inches from the edge to the last row.
 
         `key_height` tells how much of the lower margin it takes.
         """
@@ -167,7 +167,7 @@ def _key_span(panels: Sequence[Axes], width: float) -> tuple[float, float]:
 
 @contextlib.contextmanager
 def style() -> Iterator[None]:
-    """The look above, for what is drawn inside."""
+    """Sets the style of the figures that are drawn inside."""
     with matplotlib.rc_context(_STYLE):  # type: ignore[arg-type]
         yield
 
@@ -182,7 +182,7 @@ def sheet(
     gap: tuple[float, float] = (0.3, 0.42),
     margins: tuple[float, float, float, float] = (0.62, 0.25, 0.5, 0.95),
 ) -> Sheet:
-    """Panels of a size, gaps, and margins (left, right, bottom, top), all in inches; a title and a line under it."""
+    """A sheet of panels with a title and a line under it: size, gaps, margins (left, right, bottom, top) in inches."""
     rows = -(-count // columns)
     left, right, bottom, top = margins
     width = max(left + columns * size[0] + (columns - 1) * gap[0] + right, 6.0)
@@ -203,7 +203,7 @@ def sheet(
 def headline(
     figure: Figure, left: float, room: float, title: str, subtitle: str, points: float = 12.0, mathematics: bool = False
 ) -> None:
-    """A title in bold and a line under it at the top, from `left` on and no longer than `room`, both in inches."""
+    """Writes a title in bold and a line under it at the top, from `left` on and no longer than `room` [inches]."""
     width, height = figure.get_size_inches()
     for words, size, y, colour, weight in ((title, points, 0.26, INK, "bold"), (subtitle, TEXT, 0.49, GREY, "normal")):
         line = " ".join(part.strip() for part in words.splitlines())
@@ -212,9 +212,9 @@ def headline(
 
 
 def fitted(text: Text, room: float) -> Text:
-    """A line set smaller until it is no longer than `room` [inches]; what LEAST does not bring in ends in an ellipsis.
+    """Sets a line smaller until it is no longer than `room` [inches]; where LEAST is still too long, it is cut ("…").
 
-    Mathematics is set smaller only. Returns the same text.
+    Mathematics is not cut. Returns the same text.
     """
     words, points = text.get_text(), float(text.get_fontsize())
     if not text.get_parse_math() and WIDEST * points * len(words) <= 72 * room:
@@ -246,7 +246,7 @@ def _length(text: Text) -> float:
 
 
 def scales(panel: Axes, below: bool, left: bool) -> float:
-    """Ticks on the lower and the left side within the present limits, with numbers where it is said.
+    """Draws ticks on the lower and the left side within the present limits; below, left: with numbers.
 
     Returns how far the numbers at the left reach beyond the panel [points], 0 without.
     """
@@ -276,16 +276,16 @@ def scales(panel: Axes, below: bool, left: bool) -> float:
 
 
 def as_numbers(values: Sequence[float]) -> list[str]:
-    """All with as many digits as tell them apart, with a minus sign that is one."""
+    """The values in words, all with as many digits as tell them apart, and with a proper minus sign."""
     step = min((b - a for a, b in itertools.pairwise(values)), default=abs(values[0]) if len(values) else 0.0) or 1.0
     digits = next((d for d in range(12) if all(abs(round(v, d) - v) < 1e-3 * step for v in values)), 12)
     return [f"{round(v, digits) + 0.0:.{digits}f}".replace("-", "−") for v in values]
 
 
 def headings(panel: Axes, left: str, right: str = "", mathematics: bool = False, raised: float = 0.0) -> Annotation:
-    """Above a panel, no longer than it: what it shows in bold, which is returned; a number beside it.
+    """Writes above a panel what it shows, in bold, and a number at the right. Returns the former.
 
-    raised: so many points higher, where names stand between.
+    raised: so many points higher, over the names of gauges.
     """
     room, up = panel_size(panel)[0], 5 + raised
     if right:
@@ -297,7 +297,7 @@ def headings(panel: Axes, left: str, right: str = "", mathematics: bool = False,
 
 
 def label(panel: Axes, x: str, y: str, away: float = 31.0) -> None:
-    """Under the axis of a panel and beside the other, so many points away."""
+    """Writes the names of the axes: x under the panel, y at its left, so many points away."""
     if x:
         _beside(panel, (0.5, 0), (0, -24), x, ha="center", va="baseline")
     if y:
@@ -305,13 +305,13 @@ def label(panel: Axes, x: str, y: str, away: float = 31.0) -> None:
 
 
 def _beside(panel: Axes, at: tuple[float, float], shift: tuple[float, float], words: str, **look: Any) -> Annotation:
-    """Words some points away from a place of the panel, (0, 0) to (1, 1)."""
+    """Writes words some points away from a place of the panel, (0, 0) to (1, 1)."""
     look |= {"xycoords": "axes fraction", "textcoords": "offset points", "annotation_clip": False}
     return panel.annotate(words, at, shift, **look)
 
 
 def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: float = SMALL) -> None:
-    """(height in data, words, colour) of curves: the words beside their right ends, pushed apart where they overlap."""
+    """Names curves at their right ends, pushed apart where they overlap: (height in data, words, colour) of each."""
     panel.get_ylim()  # settles the limits: without it the transforms are those of an empty panel
     to_points = 72.0 / panel.figure.dpi
     (_, low), (_, high) = (to_points * corner for corner in panel.transAxes.transform([(0, 0), (0, 1)]))
@@ -333,7 +333,7 @@ def label_ends(panel: Axes, ends: Sequence[tuple[float, str, str]], points: floa
 
 
 def colour_bar(page: Sheet, marks: Any, words: str, mathematics: bool = False, above: float = 0.0) -> None:
-    """A slim bar under the panels, so many inches higher; `mathematics`: between dollars in the words."""
+    """Draws a slim colour bar under the panels, `above` inches higher; mathematics: the words hold some, in dollars."""
     width, height = page.figure.get_size_inches()
     first = page.panels[0].get_position()
     bar = page.figure.add_axes((first.x0, (0.32 + above) / height, min(3.2 / width, 0.4), 0.09 / height))

@@ -3,8 +3,8 @@
 HDF5 cannot append safely: a process killed while it writes may leave a file that nobody opens. So frames are kept in
 memory, compressed; `commit` puts them whole into a new file in the hidden folder `.fields` and replaces fields.vtkhdf
 by an index of virtual datasets that point there (a few kilobytes); `close` packs everything into one real file by
-copying the compressed chunks as they are, then removes the folder. The cost is linear in the number of frames, so
-that of a long run the index is written less often: what it does not show yet, `read_fields` finds.
+copying the compressed chunks as they are, then removes the folder. The cost of an index grows with the number of
+frames, so that of a long run is written less often. `read_fields` finds the frames that it does not show yet.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ import numpy as np
 from houle.errors import CaseError
 from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
-from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, OutputError, put_aside, regular, remove, reported, told
+from houle.output.child import NO_END, in_child
 from houle.output.netcdf import Table
 from houle.output.surface import surface_table
 from houle.output.vtkhdf import (
@@ -42,8 +42,8 @@ from houle.output.vtkhdf import (
 )
 
 NAME = "fields.vtkhdf"
-PACKED, INDEX = "packed", "index"  # what fields.vtkhdf is
-SHARE = 20.0  # of the time that fields.vtkhdf takes to write, until it is written again while the run goes on
+PACKED, INDEX = "packed", "index"  # the two forms of fields.vtkhdf
+SHARE = 20.0  # pause between two indices of a run, over the time that writing one takes
 MOST = 64e6  # bytes of compressed frames in memory
 
 
@@ -52,27 +52,27 @@ class NoFrameError(CaseError, IndexError):
 
 
 class FieldsWriter:
-    """append(frame), commit(), close(); truncate_after(time) goes on with a folder of an earlier run."""
+    """Writes fields.vtkhdf: append(frame), commit(), close(); truncate_after(time) goes on with an earlier stretch."""
 
     def __init__(self, directory: Path, grid: Grid, attributes: Mapping[str, str]) -> None:
         self.path = Path(directory) / NAME
         self.parts = self.path.with_name(PARTS)
         self.grid, self.attributes = grid, dict(attributes)
-        self.frames: list[Stored] = []  # on the disk, in parts
-        self.pending: list[Stored] = []  # in memory, after them
-        self._held, self._indexed = 0, 0  # bytes in memory; frames in fields.vtkhdf
-        self._due = 0.0  # when fields.vtkhdf may be written anew
+        self.frames: list[Stored] = []  # frames on the disk, in parts
+        self.pending: list[Stored] = []  # later frames, in memory
+        self._bytes, self._indexed = 0, 0  # bytes in memory; frames that the index shows
+        self._due = 0.0  # time at which a new index may be written
         self._started = False
 
     def append(self, frame: Snapshot) -> None:
-        """One more frame, float32 and compressed; too many in memory go to the disk."""
+        """Adds a frame, float32 and compressed; when there are many in memory they go to the disk."""
         self.pending.append(compress(frame))
-        self._held += self.pending[-1].size
-        if self._held > MOST:
+        self._bytes += self.pending[-1].size
+        if self._bytes > MOST:
             self._part()
 
     def commit(self) -> None:
-        """Every frame is on the disk. fields.vtkhdf shows it, by reference: at once, or when that is worth its time."""
+        """Brings every frame to the disk. The index shows them at once, or later if writing it takes long."""
         if self.pending:
             self._part()
         begin = clock.monotonic()
@@ -82,7 +82,7 @@ class FieldsWriter:
             self._due = end + SHARE * (end - begin)
 
     def close(self) -> None:
-        """fields.vtkhdf holds every frame and needs no other file. If there is no room, it goes on by reference."""
+        """Packs every frame into fields.vtkhdf, which then needs no other file. On a full disk the index stays."""
         if not self.pending and not self.parts.exists():
             return
         frames = [*self.frames, *self.pending]
@@ -95,10 +95,10 @@ class FieldsWriter:
         shutil.rmtree(self.parts, ignore_errors=True)
 
     def truncate_after(self, time: float, wanted: Sequence[float] = (), hashes: Collection[str] = ()) -> list[str]:
-        """Go on with the frames on disk that are not after `time` [s]; the later ones are forgotten.
+        """Goes on with the frames on the disk that are not after `time` [s]; later ones are removed.
 
-        wanted: times of the frames that should be there; hashes: of the cases whose files they may be.
-        Returns what is lost, in words.
+        wanted: times of the frames that should be there; hashes: those of the cases whose files they may be.
+        Returns in words what is lost.
         """
         self._started = True
         problems = self._unpack()
@@ -120,8 +120,8 @@ class FieldsWriter:
         return [f"{NAME} {reason}: {lost} of its frames up to t = {time:.4g} s are lost"]
 
     def _unpack(self) -> list[str]:
-        """A packed file is the first part. Returns what is wrong with it; then it is put aside."""
-        found = apart(lambda: _look(self.path), self.path) if self.path.exists() else INDEX
+        """Makes a packed file the first part. A damaged one is renamed; returns in words what is wrong with it."""
+        found = in_child(lambda: _look(self.path), self.path) if self.path.exists() else INDEX
         if found == INDEX:
             return []
         if found != PACKED:
@@ -136,7 +136,7 @@ class FieldsWriter:
         return []
 
     def _part(self) -> None:
-        """The frames in memory go to a file of their own. The first one of a new run clears what an older run left."""
+        """Writes the frames in memory to a part of their own. The first of a new run removes those of an older one."""
         if not self._started:
             with reported(self.parts):
                 shutil.rmtree(self.parts, ignore_errors=True)
@@ -144,18 +144,19 @@ class FieldsWriter:
         path = self._part_of(len(self.frames))
         assemble(path, self.pending, self.grid, self.attributes, packed=True)
         self.frames += frames_in(path)
-        self.pending, self._held = [], 0
+        self.pending, self._bytes = [], 0
 
     def _index(self) -> None:
+        """Writes the index of all frames on the disk."""
         assemble(self.path, self.frames, self.grid, self.attributes, packed=False)
         self._indexed = len(self.frames)
 
     def _part_of(self, number: int) -> Path:
-        """The part that begins with this frame."""
+        """Path of the part that begins with the frame of this number."""
         return self.parts / f"{number:06d}.h5"
 
     def _stored(self, hashes: Collection[str]) -> tuple[list[Stored], list[str]]:
-        """The frames of all parts that are whole, and what is wrong with others."""
+        """The whole frames of all parts, and in words what is wrong with other parts."""
         found, problems = [], []
         for path in _parts(self.parts):
             try:
@@ -180,7 +181,7 @@ def _since(time: float, parts: Sequence[Path]) -> list[Stored]:
 
 
 def _in_order(parts: Sequence[list[Stored]]) -> list[Stored]:
-    """A run that was cut back left frames in a part that a later part holds again."""
+    """The frames of all parts in the order of time: of frames that a later part holds again, the later ones."""
     found: list[Stored] = []
     for part in parts:
         if part:
@@ -265,7 +266,7 @@ def read_fields(directory: Path) -> FieldsReader:
 
 
 def _look(path: Path) -> str:
-    """Whether a file is packed, or what is wrong with it."""
+    """PACKED or INDEX, the form of a file, or in words what is wrong with it."""
     try:
         with h5py.File(regular(path)) as file:
             return PACKED if file.attrs["packed"] else INDEX
@@ -282,7 +283,7 @@ def _whole(path: Path, grid: Grid, hashes: Collection[str]) -> list[Stored]:
         except DAMAGES as error:
             return f"is damaged ({told(error)})"
 
-    found = apart(look, path)
+    found = in_child(look, path)
     if found is None or found.strip("01"):
         raise ValueError(found or NO_END)
     return [frame for frame, whole in zip(frames_in(path), found, strict=True) if whole == "1"]

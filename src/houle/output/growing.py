@@ -1,9 +1,9 @@
 """Tables that grow in time, in a file that is whole at every moment and never written anew (docs/decisions/0006).
 
 Two files take turns. The one under the name is whole, and nobody writes to it. The other, hidden beside it, gets the
-rows of the last two commits, then takes the name; the former becomes the hidden one, a commit behind. So a commit
-writes its own rows twice and nothing else, and what a kill cuts short has no name yet. `close` packs all into the
-compressed file that stays.
+rows of the last two commits, then takes the name; the former becomes the hidden one, a commit behind. So the rows of a
+commit are written twice and no others, and a file that a kill leaves half-written is still hidden. `close` packs all
+into the compressed file that stays.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.output.apart import NO_END, apart
 from houle.output.atomic import DAMAGES, Sink, put_aside, regular, remove, replacing, reported, told
+from houle.output.child import NO_END, in_child
 from houle.output.lock import TAKEN, lock
 from houle.output.netcdf import CACHE, TIME, Table, Variable, append, fill, pieces
 
-OF_THE_FORMAT = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "coordinates")  # attributes
-ROOM = 16e6  # bytes of rows in memory, from which on they go to the file
+OF_THE_FORMAT = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "coordinates")  # attributes of netCDF
+BUFFER = 16e6  # bytes of rows in memory, from which on they go to the file
 
 
 class Rows:
-    """Rows in memory: of each name an array, time first."""
+    """Rows in memory: an array for each name, its first axis that of the rows."""
 
     def __init__(self) -> None:
         self.count, self._row, self._columns = 0, 0, dict[str, NDArray]()
 
     def add(self, row: Mapping[str, Any]) -> None:
-        """One more, of numbers and arrays. Every row has the same names and shapes."""
+        """Adds a row of numbers and arrays. Every row has the same names and shapes."""
         if not self._columns:
             self._columns = {name: np.empty((64, *np.shape(value))) for name, value in row.items()}
             self._row = sum(values[0].nbytes for values in self._columns.values())
@@ -52,12 +52,12 @@ class Rows:
 
     @property
     def columns(self) -> dict[str, NDArray]:
-        """name: (count, ...)."""
+        """The rows so far: an array (count, ...) for each name."""
         return {name: values[: self.count] for name, values in self._columns.items()}
 
     @property
     def size(self) -> int:
-        """Bytes."""
+        """Bytes of the rows so far."""
         return self.count * self._row
 
 
@@ -67,23 +67,23 @@ class Growing(ABC):
     def __init__(self, path: Path, attributes: Mapping[str, str]) -> None:
         self.path, self.attributes = path, {"Conventions": "CF-1.11", **attributes}
         self.hidden = path.with_name(f".{path.stem}.next{path.suffix}")
-        self._fresh, self._behind = Rows(), Rows()  # rows of no file yet; rows that the hidden file lacks
+        self._fresh, self._behind = Rows(), Rows()  # rows in no file yet; rows in the file that the hidden one lacks
         self._begun = False  # the file under the name is of this run
         self._hidden = False  # so is the hidden one
         self._grows = False  # the file under the name has not been packed
 
     @abstractmethod
     def table_of(self, columns: Mapping[str, NDArray]) -> Table:
-        """Rows as the file has them; columns[TIME] and what was given to `add`, time first."""
+        """The rows as a table, from columns[TIME] and the values that `add` was given, along a first axis of time."""
 
     def add(self, time: float, row: Mapping[str, Any]) -> None:
-        """One row; many in memory go to the file."""
+        """Adds the row of a time [s]; when there are many in memory they go to the file."""
         self._fresh.add({**row, TIME: float(time)})
-        if self._fresh.size > ROOM:
+        if self._fresh.size > BUFFER:
             self.commit()
 
     def commit(self) -> None:
-        """Everything appended is in the file."""
+        """Brings everything appended into the file."""
         if not self._fresh.count:
             return
         with reported(self.path):
@@ -97,7 +97,7 @@ class Growing(ABC):
         self._behind, self._fresh, self._begun, self._grows = self._fresh, Rows(), True, True
 
     def close(self) -> None:
-        """Commit, and pack the rows into the file that stays."""
+        """Commits, and packs the rows into the file that stays."""
         self.commit()
         if self._begun and self._grows:
             with replacing(self.path) as temporary, _opened(self.path) as source:
@@ -108,10 +108,10 @@ class Growing(ABC):
     def truncate_after(
         self, time: float, like: Mapping[str, Any] | None = None, hashes: Collection[str] = ()
     ) -> list[str]:
-        """Go on with the rows of the file that are not after `time` [s]. Returns what is lost, in words.
+        """Goes on with the rows of the file that are not after `time` [s]. Returns in words what is lost.
 
-        like: a row as it will be appended; hashes: of the cases whose file it may be. A file that does not fit is put
-        aside.
+        like: a row as it will be appended; hashes: those of the cases whose file it may be. A file that does not fit
+        gets another name.
         """
         self._forget_hidden()
         self._fresh, self._behind, self._begun, self._grows = Rows(), Rows(), False, True
@@ -135,7 +135,7 @@ class Growing(ABC):
     # ---- the two files -------------------------------------------------------------------------------------------
 
     def _grow(self) -> None:
-        """The hidden file holds everything, however it comes to that."""
+        """Brings all rows into the hidden file: it gets those that it lacks, or is made anew."""
         if not self._begun:
             fill(self.hidden, self.table_of(self._fresh.columns), grows=True)
             return
@@ -153,7 +153,7 @@ class Growing(ABC):
                         append(file, self.table_of(rows.columns))
 
     def _copy(self) -> None:
-        """The hidden file is a copy of the one under the name, in the form that grows."""
+        """Makes the hidden file a copy of the one under the name, in the form that grows."""
         remove(self.hidden)
         if self._grows:
             shutil.copyfile(self.path, self.hidden)
@@ -162,6 +162,7 @@ class Growing(ABC):
                 fill(self.hidden, _table_in(source), grows=True)
 
     def _take_the_name(self) -> None:
+        """The hidden file takes the name; the former file becomes the hidden one, if it can be kept."""
         former = self.path.with_name(f".{self.path.stem}.former{self.path.suffix}")
         remove(former)
         kept = self._begun and self._grows
@@ -183,15 +184,15 @@ class Growing(ABC):
     # ---- what lies there -----------------------------------------------------------------------------------------
 
     def _problem(self, like: Mapping[str, Any] | None, hashes: Collection[str]) -> str | None:
-        """Why the file cannot be gone on with, None if it can."""
+        """The reason why no rows can be added to the file; None if there is none."""
         if not self.path.exists():
             return "is not there"
         wanted = None if like is None else self.table_of(_as_columns(like))
-        found = apart(lambda: self._look(wanted, hashes), self.path)
+        found = in_child(lambda: self._look(wanted, hashes), self.path)
         return NO_END if found is None else found or None
 
     def _look(self, wanted: Table | None, hashes: Collection[str]) -> str:
-        """Why the file cannot be gone on with, "" if it can."""
+        """The reason why no rows can be added to the file; "" if there is none. It reads every number."""
         try:
             with _opened(self.path) as source:
                 found = _table_in(source)
@@ -233,12 +234,12 @@ def _variable_in(stored: h5py.Dataset, keep: int | None) -> Variable:
 
 
 def _attributes(node: Any) -> dict[str, Any]:
-    """Those that were given, not those that netCDF and HDF5 keep for themselves."""
+    """The attributes of a file or variable, without those that netCDF and HDF5 keep for themselves."""
     return {key: value for key, value in node.attrs.items() if not (key in OF_THE_FORMAT or key.startswith("_"))}
 
 
 class _First:
-    """The first rows of a variable in an open file, looked at like an array."""
+    """The first rows of a variable in an open file, read like an array."""
 
     def __init__(self, stored: h5py.Dataset, dims: Sequence[str], keep: int | None) -> None:
         self.stored, self.axis = stored, dims.index(TIME)
@@ -260,7 +261,7 @@ def _as_columns(row: Mapping[str, Any]) -> dict[str, NDArray]:
 
 
 def _same(found: Table, wanted: Table) -> bool:
-    """Whether both hold the same names over the same dimensions, but for time, and the same places."""
+    """True if both hold the same names over the same dimensions, apart from time, and the same places."""
     if set(found) != set(wanted):
         return False
     for name in wanted:
@@ -275,7 +276,7 @@ def _same(found: Table, wanted: Table) -> bool:
 
 @contextlib.contextmanager
 def _alone(path: Path) -> Iterator[bool]:
-    """Whether nobody else has the file: HDF5 locks what it reads, and has one name only, no backup's."""
+    """Yields True if nobody else has the file: HDF5 locks what it reads, and no backup has given it a second name."""
     with open(path, "r+b", buffering=0) as file:
         try:
             lock(file)

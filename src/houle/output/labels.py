@@ -16,10 +16,10 @@ from houle.grid import FloatArray
 
 Sizes = FloatArray  # (N, 2) widths and heights of words
 
-AIR = 3.0  # between words, and between words and the point they name
-DISTANCES = (5.0, 9.0, 15.0, 23.0, 33.0, 46.0, 62.0, 82.0, 106.0, 135.0)  # of words from their point
-DIRECTIONS = 16
-ON_WORDS, ON_POINT, OUTSIDE = 2000.0, 600.0, 5000.0  # what it costs to stand there, against a point of distance: 1
+AIR = 3.0  # gap between words, and between words and the point that they name
+DISTANCES = (5.0, 9.0, 15.0, 23.0, 33.0, 46.0, 62.0, 82.0, 106.0, 135.0)  # tried distances of words from their point
+DIRECTIONS = 16  # tried directions
+ON_WORDS, ON_POINT, OUTSIDE = 2000.0, 600.0, 5000.0  # costs of a place; a point of distance costs 1
 ON_OUTLINE, ON_BODY, ACROSS = 120.0, 90.0, 12.0  # on the outline of a body, inside it, over an upright line
 
 
@@ -59,8 +59,8 @@ def near_points(
 ) -> FloatArray:
     """Middles (N, 2) of the words that name points (N, 2), each where it covers least of what matters.
 
-    panel is the width and height that all stay inside. bodies is what words would rather not cover, its outline least
-    of all, and lines are the places of upright lines across the panel.
+    panel: width and height, inside which all words stay. bodies: areas that words should not cover, their outlines
+    least of all. lines: places of upright lines across the panel.
     """
     outline = shapely.boundary(bodies)
     found = np.empty_like(points)
@@ -92,7 +92,7 @@ def near_points(
 
 
 def in_rows(widths: Sequence[float], room: float) -> list[list[int]]:
-    """Numbers of the entries of a key, row by row, each row no longer than the room there is."""
+    """Numbers of the entries of a key, row by row, each row no longer than `room`."""
     rows: list[list[int]] = []
     used = 0.0
     for n, width in enumerate(widths):

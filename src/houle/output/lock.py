@@ -1,4 +1,4 @@
-"""One process at a time writes a run folder. The system gives the lock back when a process ends, however it ends."""
+"""The lock of a run folder: one process at a time writes it. The system frees the lock when the process ends."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BEYOND = 4096  # the byte that is locked, behind the number of the process, whic
 
 @contextlib.contextmanager
 def exclusive(directory: Path) -> Iterator[None]:
-    """The folder, made if it is not there, for this process alone. Raises CaseError if another one writes it.
+    """Keeps a folder for this process, and makes it if it is not there. Raises CaseError if another process writes it.
 
     File systems that know no locks are trusted.
     """
@@ -49,18 +49,18 @@ def exclusive(directory: Path) -> Iterator[None]:
 
 
 def _let_go() -> None:
-    """In the child of a fork: the lock is the parent's, and goes with it."""
+    """Closes the files in the child of a fork: the lock stays the parent's."""
     for file in _open:
         file.close()
 
 
-_open: set[BinaryIO] = set()  # the files of the folders that this process holds
+_open: set[BinaryIO] = set()  # lock files of the folders that this process writes
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_let_go)
 
 
 def lock(file: BinaryIO) -> None:
-    """Raises OSError, with an errno of TAKEN where another process holds it."""
+    """Locks a file, without waiting. Raises OSError, with an errno of TAKEN if another process holds the lock."""
     if sys.platform == "win32":
         import msvcrt
 

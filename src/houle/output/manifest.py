@@ -1,4 +1,4 @@
-"""run.json: what was run, where, with what, and how it went. A second run from it should give the same numbers."""
+"""run.json, the manifest of a run: case, machine, versions, outcome. A second run from it gives the same numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ PACKAGES = ("numpy", "h5py", "h5netcdf", "xarray", "pydantic", "shapely", "matpl
 
 
 def about(identity: Mapping[str, str | None]) -> dict[str, str]:
-    """The global attributes of every file of results: what made it. identity: of the case (`Case.identity`)."""
+    """Global attributes of every file of results: title, houle and its version, name and hash of the case.
+
+    identity: that of the case (`Case.identity`).
+    """
     import houle
 
     return {
@@ -100,7 +103,7 @@ def read_manifest(directory: Path) -> dict[str, Any]:
 
 
 def _missing(found: Any) -> str:
-    """What the manifest of a run has and this does not; nothing if it is one."""
+    """Names of the entries that the manifest of a run must have and this lacks; "" if it is one."""
     kinds: dict[str, Any] = {"finished": bool, "case": dict, "started": str, "summary": dict}
     within: dict[str, Any] = {"time": Real, "steps": Real, "particles": Real, "wall_seconds": Real, "cpu_seconds": Real}
     within |= {"operations": dict, "energy": dict}
@@ -123,7 +126,7 @@ def _finite(value: Any) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """What json can write, from dicts, sequences, NumPy numbers and arrays, and paths."""
+    """A value that JSON can hold, made of dicts, sequences, NumPy numbers and arrays, and paths."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple, set)):
@@ -142,7 +145,7 @@ def _now() -> str:
 
 
 def _build() -> dict[str, Any]:
-    """What the C++ core says of its compiler and flags, if it does."""
+    """Compiler and flags of the C++ core, and threads in use; empty if it does not tell."""
     from houle import _core
 
     info = getattr(_core, "build_info", None)

@@ -24,7 +24,7 @@ BLOCK = 16  # pixels: encoders want sizes that are multiples of it
 
 
 def write_movie(path: Path | str, case: Case, fields: FieldsReader, rate: float = 25.0) -> Path:
-    """One picture per frame of the run, `rate` of them in a second. OutputError when the encoder is not installed."""
+    """Writes a film of all frames, `rate` of them a second. OutputError when the encoder is not installed."""
     path = Path(path)
     try:
         import imageio.v2 as imageio
@@ -44,7 +44,7 @@ def write_movie(path: Path | str, case: Case, fields: FieldsReader, rate: float 
 
 
 class _Film:
-    """One figure for all frames of a film: pressures, gates and the time change, the rest stands still."""
+    """The figure of a film, drawn once: from frame to frame only pressures, gates and the time change."""
 
     def __init__(self, section: SectionPicture, first: Snapshot, scale: Normalize) -> None:
         self.section, page = section, section.sheet(1, "pressure of the particles", below=BAR)
@@ -58,7 +58,7 @@ class _Film:
         section.name(page)
 
     def image(self, frame: Snapshot) -> NDArray[np.uint8]:
-        """One picture (height, width, 3)."""
+        """Picture of a frame, (height, width, 3) in whole multiples of BLOCK pixels."""
         self.marks.set_data(self.section.pressures(frame, (self.marks.get_size()[1], self.marks.get_size()[0])))
         self.time.set_text(f"t = {frame.time:.3f} s")
         for gate in self.gates:

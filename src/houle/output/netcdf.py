@@ -1,7 +1,6 @@
 """netCDF-4 files as tables of variables over named dimensions: written, appended to in time (growing.py), read.
 
-h5netcdf writes and reads them; xarray, on top of it, takes half a second to be imported: only who asks for a Dataset
-pays for that.
+h5netcdf writes and reads them. xarray is imported only for a Dataset: its import takes half a second.
 """
 
 from __future__ import annotations
@@ -24,10 +23,8 @@ if TYPE_CHECKING:
 
 TIME = fields.TIME.name
 PIECE = 1 << 20  # values that are copied at a time
-CACHE = (
-    1 << 20
-)  # bytes of chunks that HDF5 keeps of each variable: a copy takes as much memory, however long the file is
-COMPRESSED = 1000  # values, from which on a variable is worth it
+CACHE = 1 << 20  # bytes of chunks of a variable that HDF5 keeps in memory, however long the file is
+COMPRESSED = 1000  # values from which on a variable is compressed
 NOT_OF_A_RUN = "is this the folder of a run?"
 
 
@@ -70,24 +67,23 @@ def times(values: NDArray) -> Variable:
 
 
 def fill(path: Path, table: Table, grows: bool = False) -> None:
-    """Makes a file of the table, piece by piece: its values may lie in a file themselves.
+    """Writes a table to a new file, piece by piece: its values may lie in a file themselves.
 
     Every dimension has a coordinate. Missing values are NaN; coordinates have none.
-    grows: so that rows can be appended in time. Else compressed where it is worth it.
+    grows: rows can be appended in time; else large variables are compressed.
     """
     with Sink(path) as sink:
         with h5netcdf.File(sink, "w") as file:
             _describe(file, table, grows)
-        with h5py.File(
-            sink, "r+", rdcc_nbytes=CACHE
-        ) as file:  # h5netcdf looks at all variables for the length of one that grows
+        # not with h5netcdf, which looks at all variables for the length of one that grows
+        with h5py.File(sink, "r+", rdcc_nbytes=CACHE) as file:
             for name, variable in table.items():
                 for piece in pieces(variable):
                     file[name][piece] = variable.values[piece]
 
 
 def _describe(file: h5netcdf.File, table: Table, grows: bool) -> None:
-    """Names, dimensions, types and attributes."""
+    """Writes the names, dimensions, types and attributes of a table, without its values."""
     sizes = table.sizes
     file.attrs.update(table.attrs)
     file.dimensions = {name: None if grows and name == TIME else size for name, size in sizes.items()}
@@ -109,7 +105,7 @@ def _describe(file: h5netcdf.File, table: Table, grows: bool) -> None:
 
 
 def append(file: h5py.File, table: Table) -> None:
-    """The rows of the table behind those of a file that grows."""
+    """Writes the rows of the table behind those of a file that grows."""
     for name, variable in table.items():
         if TIME not in variable.dims:
             continue
@@ -120,7 +116,7 @@ def append(file: h5py.File, table: Table) -> None:
 
 
 def pieces(variable: Variable) -> Iterator[tuple[slice, ...]]:
-    """The whole of a variable, stretches of time that are of no account in memory one after the other."""
+    """Slices that cover a variable: stretches of time, one after the other, that take little memory."""
     shape = variable.values.shape
     if TIME not in variable.dims or variable.values.size <= PIECE:
         yield (slice(None),) * len(shape)
@@ -132,7 +128,7 @@ def pieces(variable: Variable) -> Iterator[tuple[slice, ...]]:
 
 
 def _chunk(variable: Variable) -> tuple[int, ...]:
-    """Shape of a chunk of a variable that grows: so many rows that few are touched, so few that runs are small."""
+    """Shape of a chunk of a variable that grows: of 32 k values, or of 1024 rows if that is less."""
     axis, shape = variable.dims.index(TIME), variable.values.shape
     others = max(1, variable.values.size // max(1, shape[axis]))
     rows = min(1024, max(1, 32 * 1024 // others))
@@ -140,7 +136,7 @@ def _chunk(variable: Variable) -> tuple[int, ...]:
 
 
 def read(path: Path) -> Table:
-    """A file of `fill`, in memory and closed. OutputError when it cannot be read."""
+    """Reads a file that `fill` made into memory, and closes it. OutputError when it cannot be read."""
     try:
         with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
             beside = {
@@ -160,7 +156,7 @@ def _load(stored: Any) -> Variable:
 
 
 def read_dataset(path: Path) -> xarray.Dataset:
-    """The same as an xarray.Dataset."""
+    """Reads a file that `fill` made, as an xarray.Dataset. OutputError when it cannot be read."""
     import xarray
 
     try:

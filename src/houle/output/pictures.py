@@ -1,4 +1,4 @@
-"""The pictures of a run, to be shown around: surface, pressure, plan (3D); ledger and gauges are in curves.py."""
+"""The pictures of a run: surface, pressure, plan (3D); those of ledger and gauges are in curves.py."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ __all__ = ["gauges_picture", "ledger_picture", "plan_picture", "pressure_picture
 def write_pictures(
     directory: Path | str, case: Case, grid: Grid, series: Data, surface: Data, fields: FieldsReader
 ) -> list[Path]:
-    """All pictures that the run has data for. fields: a FieldsReader; case: for bodies, gates and laboratory points."""
+    """Writes all pictures that the run has data for, and returns their paths."""
     folder = Path(directory)
     file = case.laboratory
     points = laboratory.read(file) if file else None
@@ -46,7 +46,7 @@ def write_pictures(
 
 
 def surface_picture(path: Path, case: Case, grid: Grid, surface: Data, points: laboratory.Points | None = None) -> Path:
-    """The surface at the laboratory times with the points and their error, rms per panel; else at times of the run.
+    """The surface at the laboratory times, with the points and the rms error of each panel; else at times of the run.
 
     In 3D the level is the mean over the wet columns across the width, as it is scored.
     """
@@ -115,7 +115,7 @@ def plan_picture(path: Path, case: Case, grid: Grid, surface: Data) -> Path:
 
 
 def _laboratory(panel: Axes, points: laboratory.Points | None, time: float, case: Case) -> None:
-    """The measured points of a time, open circles with the error of the measurement."""
+    """Draws the measured points of a time: open circles with the error of the measurement."""
     if points is None or not (here := np.abs(points.time - time) < laboratory.SAME).any():
         return
     error = (case.reference.error if case.reference else None) or 0.0
@@ -147,7 +147,7 @@ def _pressure_words(section: SectionPicture, frames: Sequence[Snapshot]) -> str:
 
 
 def _profile(surface: Data, time: float, grid: Grid) -> tuple[FloatArray, FloatArray]:
-    """x and level, linear in time, carried to the walls; NaN where dry stays a gap."""
+    """x (N,) and level (N,) [m] of the surface, linear in time and carried on to the walls; NaN where dry."""
     x = np.concatenate([[0.0], grid.axis_points(0), [grid.size[0]]])
     stored, eta = surface["time"].values, surface["eta"].values
     after = int(np.clip(np.searchsorted(stored, time), 0, len(stored) - 1))
@@ -159,7 +159,7 @@ def _profile(surface: Data, time: float, grid: Grid) -> tuple[FloatArray, FloatA
 
 
 def _times(available: FloatArray, points: laboratory.Points | None) -> list[float]:
-    """The laboratory times that the run has reached, or some of its own, evenly spread."""
+    """The laboratory times [s] that the run has reached; if there are none, some of its own, evenly spread."""
     reached = [t for t in points.times if t <= available[-1] + laboratory.SAME] if points else []
     if reached:
         start = available[0] < reached[0] and len(reached) in (3, 5)  # the start fills the sheet

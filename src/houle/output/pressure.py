@@ -10,8 +10,8 @@ from matplotlib.colors import Normalize
 from houle.flow.snapshot import Snapshot
 from houle.grid import FloatArray, Grid
 
-WIDER = 1.42  # side of a mark over that of the square the particle fills: the water has no gaps
-SUCTION = 0.1  # of the largest pressure: less is round-off and splashes
+WIDER = 1.42  # side of the mark of a particle over that of the square it fills: marks leave no gaps
+SUCTION = 0.1  # share of the largest pressure: a smaller suction is round-off and splashes
 BAR = 0.45  # inches that a colour bar takes under the panels
 
 

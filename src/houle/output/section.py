@@ -35,16 +35,16 @@ from houle.output.pressure import pressure_image
 
 LONGEST = 5.5  # length of a panel over its height; the heights of a longer flume are stretched
 STRETCHES = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # and ten, a hundred, ... times as much
-ACROSS = {1: 7.5, 2: 4.2, 3: 3.1}  # inches, of a panel, by the number of columns
-TALLEST = {1: 6.5, 2: 4.2, 3: 3.6}  # inches
+ACROSS = {1: 7.5, 2: 4.2, 3: 3.1}  # width of a panel [inches], by the number of columns
+TALLEST = {1: 6.5, 2: 4.2, 3: 3.6}  # largest height of a panel [inches]
 LOW = 0.12  # share of the still water depth below which waves are too low to be seen beside it
-LEAST = 1e-3  # share of it below which waves are not told from round-off
-CLOSE = 1.6  # heights of such waves that are shown above and below still water
+ROUND_OFF = 1e-3  # share of the still water depth below which waves are not told from round-off
+CLOSE = 1.6  # height shown above and below still water, in heights of low waves
 HATCHES = ("////", "\\\\\\\\", "....", "xxxx", "oo", "||||", "----", "++")
-UPRIGHT = 6.0  # points, of names that stand upright
-LONGEST_NAME = 1.0  # inches, of a gauge or sensor
-MOST_NAMES = 40  # sensors with names; of more there are only the marks
-ASIDE = 8.0  # points that the name of a gauge may stand beside it, before all names stand upright
+UPRIGHT = 6.0  # size of names that stand upright [points]
+LONGEST_NAME = 1.0  # longest name of a gauge or sensor [inches]
+MOST_NAMES = 40  # sensors up to which they have names, not only marks
+ASIDE = 8.0  # distance of a name from its gauge [points] from which on all names stand upright
 NAMES_RISE = 6.0  # points from a panel to the names above it
 
 
@@ -70,7 +70,7 @@ class SectionPicture:
         return shapely.difference(self.section.area([entry], self.layer), self.solid)
 
     def _still_water(self) -> float | None:
-        """Level of the water at the start [m]; None where it has several and no waves come, or reaches the lid."""
+        """Level of the water at the start [m]; None if there are several and no waves, or the water reaches the lid."""
         level, near = self.section.depth(), 1e-3 * self.grid.spacing[-1]
         one = self.waves or self.section.drop() < near
         return level if one and 0.0 < level < self.grid.size[-1] - near else None
@@ -90,20 +90,20 @@ class SectionPicture:
         return self.case.waves is not None or len(self.bands) > 0
 
     def look_close(self, eta: FloatArray) -> None:
-        """Shows the surface only, if what moves in the levels eta [m] are low waves."""
+        """Shows only the surface if its levels eta [m] are those of low waves."""
         if self.still_water is None or not self.waves:
             return
         moved = float(np.nanmax(np.abs(eta - self.still_water), initial=0.0))
         if 0.0 < 2 * moved < LOW * self.still_water:
-            moved = max(moved, LEAST * self.still_water)
+            moved = max(moved, ROUND_OFF * self.still_water)
             self.floor, self.height = (self.still_water + s * 2 * CLOSE * moved for s in (-1, 1))
 
     # ---- sheets --------------------------------------------------------------------------------------------------
 
     def sheet(self, count: int, words: str, key: Sequence[Any] = (), below: float = 0.0) -> Sheet:
-        """Panels to scale, those of a long flume one under the other, over a key of the marks and of `key`.
+        """A sheet of panels to scale, those of a long flume one under the other, over a key of the marks and of `key`.
 
-        below: inches for a colour bar over the key, which begins `key_top` inches over the lower edge.
+        below: inches for a colour bar between panels and key; the key ends `key_top` inches above the lower edge.
         """
         ratio = self.grid.size[0] / (self.height - self.floor)
         columns = 1 if ratio > 4 else min(count, 2 if count in (2, 4) else 3)
@@ -120,7 +120,7 @@ class SectionPicture:
         return sheet(count, columns, (across, across / ratio * times), self.case.title, words, margins=margins)
 
     def key(self) -> list[Any]:
-        """Handles of what the picture shows, in the order of the case file."""
+        """Entries of the key: everything that the picture shows, in the order of the case file."""
         found: list[Any] = []
         for entry, hatch in self._hatched():
             words = f"{entry.row.name}, n = {entry.row.porosity:g}"
@@ -149,10 +149,10 @@ class SectionPicture:
     # ---- panels --------------------------------------------------------------------------------------------------
 
     def draw(self, panel: Axes, time: float, *, over: bool = False, wet: FloatArray | None = None) -> list[Line2D]:
-        """Everything that stands still, and the gates as they are at this time [s], which are returned.
+        """Draws the section and returns its gates, lifted as at this time [s].
 
-        over: the outlines of bodies are dashed, over the water that is drawn. wet are places x [m] of the water, which
-        tell where moving walls stand; they are at rest without.
+        over: the outlines of bodies are dashed, over water that is drawn by others. wet: places x [m] of the water,
+        which moving walls touch; None: the walls are at rest.
         """
         panel.set(xlim=(0, self.grid.size[0]), ylim=(self.floor, self.height))
         panel.spines["right"].set_visible(True)
@@ -184,19 +184,19 @@ class SectionPicture:
         _fill(panel, self.solid, fc=SOLID, ec=GREY, lw=0.7, zorder=4)
 
     def draw_water(self, panel: Axes) -> None:
-        """The water at the start, with its edge where it has more than one level."""
+        """Draws the water at the start, with its edge if it has more than one level."""
         edge = WATER if self.still_water is None else "none"
         _fill(panel, self.section.open_water(self.layer), fc=SHADE, ec=edge, lw=0.7, zorder=0.55)
 
     def _draw_still_water(self, panel: Axes, level: float) -> None:
-        """A dashed line with the triangle that marks a water level."""
+        """Draws the still water level: a dashed line with the triangle that marks water levels."""
         panel.axhline(level, color=GREY, lw=0.8, ls=(0, (8, 3)), zorder=2.3)
         first = walls_at_rest(self.case).get("left", 0.0)
         look: Any = {"xycoords": "data", "textcoords": "offset points", "color": GREY, "zorder": 4.7, "fontsize": SMALL}
         panel.annotate("\u25bd", (first, level), (7, -0.5), ha="center", va="bottom", **look)
 
     def draw_walls(self, panel: Axes, wet: FloatArray | None) -> None:
-        """The walls that move, and the dry space behind them."""
+        """Draws the walls that move, and the dry space behind them."""
         size = self.grid.size[0]
         for side, rest in walls_at_rest(self.case).items():
             if wet is not None and not len(wet):
@@ -207,14 +207,14 @@ class SectionPicture:
             panel.axvline(x, color=INK, lw=1.6, zorder=4.2)
 
     def _draw_open(self, panel: Axes) -> None:
-        """Dots along the sides through which water comes and goes."""
+        """Draws dots along the sides through which water comes and goes."""
         look: Any = {"color": INK, "lw": 2.4, "ls": (0, (0.6, 1.0)), "zorder": 6, "clip_on": False}
         for side in self.case.open:
             x = 0.0 if side.side == "left" else self.grid.size[0]
             panel.plot([x, x], [0.0, 1.0], transform=panel.get_xaxis_transform(), **look)
 
     def draw_gates(self, panel: Axes, time: float) -> list[Line2D]:
-        """The gates that are still in the picture, lifted as far as they are at this time [s]."""
+        """Draws the gates that are still in the picture, lifted as at this time [s], and returns them."""
         feet = [(self.grid.nearest_face(gate.x), max(0.0, time - gate.start) * gate.speed) for gate in self.case.gate]
         look: Any = {"color": INK, "lw": 1.6, "solid_capstyle": "butt", "zorder": 5}
         return [panel.plot([x, x], [foot, self.height], **look)[0] for x, foot in feet if foot < self.height]
@@ -234,7 +234,7 @@ class SectionPicture:
     # ---- names ---------------------------------------------------------------------------------------------------
 
     def name(self, page: Sheet) -> None:
-        """Names of gauges, sensors and what acts on the water, in the panels of the first row; the key."""
+        """Writes the names of gauges, sensors, makers and dampers in the panels of the first row, and the key."""
         for panel in page.panels[: page.columns]:
             self.names.draw(panel)
             _name_bands(panel, self.bands)
@@ -316,7 +316,7 @@ class _Names:
 
 
 def draw(case: Case, file: Path) -> Path:
-    """The section of a case as a picture: what `houle check` leaves."""
+    """Writes the picture of the section of a case that `houle check` leaves."""
     with drawing.style():
         return case_sheet(case).save(file)
 
@@ -349,7 +349,7 @@ def _layer_at(layers: Sequence[Span], y: float, dimension: int) -> Span:
 
 
 def _draw_bands(panel: Axes, bands: Sequence[Band]) -> None:
-    """Thin lines over the water where something acts on it."""
+    """Draws thin lines around the stretches in which waves are made or damped."""
     for band in bands:
         if band.hatch:
             panel.axvspan(band.low, band.high, fc="none", ec=GREY, hatch=band.hatch, lw=0, alpha=0.6, zorder=2.4)
@@ -358,7 +358,7 @@ def _draw_bands(panel: Axes, bands: Sequence[Band]) -> None:
 
 
 def _name_bands(panel: Axes, bands: Sequence[Band]) -> None:
-    """Names of the bands, at the top of the panel over their places."""
+    """Writes the names of these stretches at the top of the panel."""
     if not bands:
         return
     width, tall = (72.0 * side for side in drawing.panel_size(panel))
@@ -376,14 +376,14 @@ def _name_bands(panel: Axes, bands: Sequence[Band]) -> None:
 
 
 def _fill(panel: Axes, area: shapely.Geometry, **look: Any) -> None:
-    """Polygons with their holes."""
+    """Fills polygons with holes."""
     for part in polygons(area):
         rings = [Outline(np.asarray(r.coords), closed=True) for r in (part.exterior, *part.interiors)]
         panel.add_patch(PathPatch(Outline.make_compound_path(*rings), **look))
 
 
 def length(value: float) -> str:
-    """Two digits where they are nearly right: the grid changes the spacing a little to fill the domain."""
+    """A length in words, with two digits if they are nearly right: the grid fits the spacing to the domain."""
     short = float(f"{value:.2g}")
     value = short if abs(short / value - 1) < 0.005 else value
     return f"{1e3 * value:.3g} mm" if value < 0.1 else f"{value:.3g} m"

@@ -1,4 +1,4 @@
-"""series.nc: what the observers of a run observe against time, netCDF-4 with CF-1.11 attributes."""
+"""series.nc: the values of all observers of a run against time, netCDF-4 with CF-1.11 attributes."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ class SeriesWriter(Growing):
         super().__init__(Path(directory) / NAME, attributes)
         self.dimension, self.stations = dimension, list(stations)
         self.fields = {field.name: field for entry in stations for field in entry.fields}
-        self._names: set[str] | None = None  # of every row
+        self._names: set[str] | None = None  # names in every row
 
     def append(self, time: float, sample: Mapping[str, Any]) -> None:
-        """One row [s]: what Simulation.sample() returns. Every row has the same names."""
+        """Adds the row of a time [s], a sample of Simulation.sample(). Every row has the same names."""
         for name in sample if self._names is None else sample.keys() ^ self._names:
             if name not in self.fields:
                 raise RuntimeError(f"internal error: {name!r} is a field of no observer of this run")
@@ -71,12 +71,12 @@ def read_series(directory: Path) -> xarray.Dataset:
 
 
 def series_table(directory: Path) -> Table:
-    """The same without xarray."""
+    """The series of a run as a Table, without xarray. OutputError when there are none."""
     return netcdf.read(Path(directory) / NAME)
 
 
 def _coordinates(stations: Stations) -> dict[str, Variable]:
-    """The coordinates gauge, gauge_x, ... of what is observed along a dimension; none of what has no dimension."""
+    """The coordinates gauge, gauge_x, ... of stations along a dimension; none for values of the whole run."""
     kind = stations.dimension
     if kind == RUN:
         return {}

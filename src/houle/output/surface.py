@@ -22,19 +22,19 @@ NAME = "surface.nc"
 
 
 class SurfaceWriter(Growing):
-    """A row is a profile; plan axes are turned round, so that x is the last one as in other gridded data."""
+    """Appends profiles of the surface, the axes in plan turned round: x is the last one, as in other gridded data."""
 
     def __init__(self, directory: Path, grid: Grid, attributes: Mapping[str, str]) -> None:
         super().__init__(Path(directory) / NAME, attributes)
         self.grid = grid
 
     def append(self, frame: Snapshot) -> None:
-        """One profile."""
+        """Adds the profile of a frame."""
         self.add(frame.time, {ETA.name: np.asarray(frame.eta, dtype=float).T})
 
     @property
     def blank(self) -> dict[str, NDArray]:
-        """A row without water, to tell whether a file holds such rows."""
+        """A profile of zeros, with which the rows of a file are compared."""
         return {ETA.name: np.zeros(self.grid.shape[:-1]).T}
 
     def table_of(self, columns: Mapping[str, NDArray]) -> Table:
@@ -57,5 +57,5 @@ def read_surface(directory: Path) -> xarray.Dataset:
 
 
 def surface_table(directory: Path) -> Table:
-    """The same without xarray."""
+    """The profiles of a run as a Table, without xarray. OutputError when there are none."""
     return netcdf.read(Path(directory) / NAME)

@@ -2,7 +2,7 @@
 
 VTKHDF 2.2 (docs.vtk.org, VTKHDF file format): a PartitionedDataSetCollection of two blocks with the same time steps,
 `particles` (PolyData, a vertex per particle) and `grid` (ImageData with cell data). It is the one arrangement in
-which a file holds both over time. Two turns are ours. A 2D run lies in the plane y = 0 and its grid is one cell thick
+which a file holds both over time. Two details are ours. A 2D run lies in the plane y = 0 and its grid is one cell thick
 and stands behind the particles: readers drop an empty axis of an image only when it is the last. A file of one step
 has no time axis in the image arrays: readers take such a file for a static one.
 """
@@ -27,7 +27,7 @@ from houle.output.atomic import DAMAGES, new_hdf5, regular
 
 PARTS = ".fields"  # the folder beside the file, where the frames of an unfinished run lie
 PIECE = 1 << 20  # numbers that are written at a time
-LEAST_OF_ITSELF = 1100  # deflate makes no more than one byte of so many
+MOST_PACKED = 1100  # bytes of which deflate can make one, at most
 ROWS = 8192  # particles per compressed chunk; a frame starts at a multiple of it: its chunks can be copied as they are
 TOPOLOGIES = ("Vertices", "Lines", "Polygons", "Strips")
 FILTERS: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -40,12 +40,17 @@ FIELDS = {POINTS if field.name == "position" else f"{POINT_DATA}/{field.name}": 
 }
 ARRAYS = tuple(FIELDS)
 
-Chunks = list[tuple[tuple[int, ...], bytes]]  # where a chunk begins in its array, and its compressed bytes
+Chunks = list[tuple[tuple[int, ...], bytes]]  # the first indices of each chunk in its array, and its compressed bytes
 
 
 @dataclass(frozen=True)
 class Stored:
-    """Where a frame lies: in memory, or in a file of so many `steps` and `rows` of particles, its own row and step."""
+    """A frame in memory, or its place in a file.
+
+    path    the file; time [s] and step of the run, count of particles
+    row     first row of its particles in the file, of `rows`     index  its number in the file, of `steps`
+    kinds   in memory: shape and type of each array               chunks  in memory: its chunks
+    """
 
     path: Path
     time: float
@@ -55,12 +60,12 @@ class Stored:
     index: int = 0
     rows: int = 0
     steps: int = 1
-    kinds: Mapping[str, Kind] | None = None  # in memory: shape and type of each array, and its chunks
+    kinds: Mapping[str, Kind] | None = None
     chunks: Mapping[str, Chunks] | None = None
 
     @property
     def size(self) -> int:
-        """Bytes of memory."""
+        """Bytes in memory."""
         return sum(len(data) for chunks in (self.chunks or {}).values() for _, data in chunks)
 
 
@@ -73,8 +78,11 @@ def compress(frame: Snapshot) -> Stored:
 
 
 def _compressed(name: str, values: NDArray[np.float32]) -> Chunks:
-    """The chunks as HDF5 stores them: full size, bytes shuffled, deflated. Run lengths alone are looked for (Z_RLE):
-    twice as fast as the search for repetitions, of which numbers have few, for a tenth more bytes."""
+    """The chunks as HDF5 stores them: full size, bytes shuffled, deflated.
+
+    Only runs of equal bytes are packed (Z_RLE): numbers have few other repetitions, and this is twice as fast as the
+    search for them, for a tenth more bytes.
+    """
     shape = _chunk(name, values.shape, 1)
     found = []
     for place in _places(name, values.shape):
@@ -88,12 +96,12 @@ def _compressed(name: str, values: NDArray[np.float32]) -> Chunks:
 
 
 def assemble(path: Path, frames: Sequence[Stored], grid: Grid, attributes: Mapping[str, Any], *, packed: bool) -> None:
-    """The whole VTKHDF file: with the data (packed), or with virtual datasets that show it in the folder PARTS."""
+    """Writes the whole VTKHDF file, with the data (packed) or with virtual datasets that point into PARTS."""
     starts = _starts(frames)
     with new_hdf5(path) as file:
         file.attrs.update(attributes)
         file.attrs.update(packed=packed, shape=grid.shape, spacing=grid.spacing)
-        file["step"] = np.array([frame.step for frame in frames], np.int64)  # more of them than an attribute can hold
+        file["step"] = np.array([frame.step for frame in frames], np.int64)  # an attribute could not hold so many
         root = file.create_group("VTKHDF", track_order=True)
         _mark(root, "PartitionedDataSetCollection")
         particles, cells = (root.create_group(name) for name in ("particles", "grid"))
@@ -150,9 +158,9 @@ def frames_in(path: Path) -> list[Stored]:
 
 
 def which_are_whole(path: Path, grid: Grid, hashes: Collection[str] = ()) -> list[bool]:
-    """Which frames of an assembled file on this grid can be read from the first number to the last.
+    """True for each frame of an assembled file on this grid that can be read from the first number to the last.
 
-    hashes: of the cases whose file it may be. Raises one of DAMAGES where nothing of the file can be relied on.
+    hashes: those of the cases whose file it may be. Raises one of DAMAGES where nothing of the file can be relied on.
     """
     frames = frames_in(path)
     with h5py.File(path) as file:
@@ -174,7 +182,7 @@ def _check_shape(dataset: h5py.Dataset, name: str, grid: Grid, frames: Sequence[
     else:
         nx, *ny, nz = grid.shape
         wanted = (*((steps,) if steps > 1 else ()), nz, *(ny or [1]), nx, *tail)
-    most = LEAST_OF_ITSELF * max(dataset.id.get_storage_size(), 1)  # bytes that can come out of these
+    most = MOST_PACKED * max(dataset.id.get_storage_size(), 1)  # bytes that can be packed in it
     if dataset.shape != wanted or dataset.dtype != np.float32 or (not dataset.is_virtual and dataset.nbytes > most):
         raise ValueError(f"{name} is not what houle writes")
     if dataset.chunks != _chunk(name, wanted, steps):
@@ -188,14 +196,14 @@ def _is_whole(file: h5py.File, frame: Stored, grid: Grid) -> bool:
         read_values(file, frame, grid.dimension)
         for name in ARRAYS:
             if not file[name].is_virtual:
-                _chunks_in(file, name, frame)  # what is not there HDF5 reads as zeros
+                _chunks_in(file, name, frame)  # raises for a chunk that is missing, which read_values gets as zeros
     except DAMAGES:
         return False
     return True
 
 
 def _arrays(frame: Snapshot) -> dict[str, NDArray[np.float32]]:
-    """What a part holds: particles (N,) or (N, 3), cells (nz, ny, nx) or (nz, ny, nx, 3)."""
+    """The arrays of a frame as the file has them: particles (N,) or (N, 3), cells (nz, ny, nx) or (nz, ny, nx, 3)."""
     result, dimension = {}, frame.position.shape[1]
     for name, field in FIELDS.items():
         if field.place == "particle":
@@ -215,7 +223,7 @@ def _spatial(vectors: FloatArray) -> NDArray[np.float32]:
 
 
 def _to_image(values: NDArray, dimension: int) -> NDArray:
-    """Cell field (nx, [ny,] nz, ...) as the image wants it, (nz, ny, nx, ...)."""
+    """Cell field (nx, [ny,] nz, ...) in the order of the image, (nz, ny, nx, ...)."""
     if dimension == 2:
         values = values[:, None]
     return np.ascontiguousarray(np.swapaxes(values, 0, 2))
@@ -234,8 +242,10 @@ def _create(file: h5py.File, name: str, shape: tuple[int, ...], dtype: np.dtype,
 
 
 def _chunk(name: str, shape: tuple[int, ...], steps: int) -> tuple[int, ...]:
-    """Shape of a chunk: of a frame the same bytes in a file of one step and of many; of a vector one component, for
-    neighbours of a kind compress better."""
+    """Shape of a chunk: the chunks of a frame have the same bytes in a file of one step and of many.
+
+    Each holds one component of a vector: neighbours of a kind compress better.
+    """
     if "/particles/" in name:
         return (ROWS, *(1 for _ in shape[1:]))
     cells = shape[1:] if steps > 1 else shape
@@ -245,6 +255,7 @@ def _chunk(name: str, shape: tuple[int, ...], steps: int) -> tuple[int, ...]:
 
 
 def _mark(group: h5py.Group, kind: str) -> None:
+    """Gives a group the version of the format and its kind of VTK data set."""
     group.attrs["Version"] = (2, 2)
     group.attrs.create("Type", kind.encode("ascii"), dtype=h5py.string_dtype("ascii", len(kind)))
 
@@ -282,7 +293,7 @@ def _topology(block: h5py.Group, frames: Sequence[Stored], starts: Sequence[int]
 
 
 def _offsets(cells: NDArray[np.int64], ids: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64]]]:
-    """0, 1, 2, ... of every step, one behind the other, in pieces: where they begin and their values."""
+    """The offsets 0, 1, 2, ... of every step, one step after the other, in pieces: first place and values of each."""
     begin, first = 0, 0
     ends = np.cumsum(cells + 1)
     while first < len(cells):
@@ -292,6 +303,7 @@ def _offsets(cells: NDArray[np.int64], ids: NDArray[np.int64]) -> Iterator[tuple
 
 
 def _image(block: h5py.Group, grid: Grid) -> None:
+    """Gives the image its extent, spacing and place; that of a 2D run is one cell thick, behind the particles."""
     nx, *ny, nz = grid.shape
     flat = grid.dimension == 2
     block.attrs["WholeExtent"] = np.array([0, nx, 0, 1 if flat else ny[0], 0, nz], np.int64)
@@ -318,7 +330,7 @@ def _kinds_in(path: Path) -> dict[str, Kind]:
 
 
 def _refer(file: h5py.File, name: str, kind: Kind, frames: Sequence[Stored], starts: Sequence[int]) -> h5py.Dataset:
-    """A virtual dataset that shows the frames where they lie; neighbours in a file are shown together."""
+    """A virtual dataset that points to the frames in their files; neighbours in a file are taken together."""
     shape, dtype = kind
     layout = h5py.VirtualLayout(shape, dtype)
     many = len(frames) > 1
@@ -348,7 +360,7 @@ def _neighbours(frames: Sequence[Stored]) -> list[tuple[int, int]]:
 
 
 def _copy(file: h5py.File, frames: Sequence[Stored], starts: Sequence[int]) -> None:
-    """Fill the packed file with the compressed chunks of the frames, as they are."""
+    """Fills the packed file with the compressed chunks of the frames, as they are."""
     targets = {name: file[name].id for name in ARRAYS}
     for path, group in itertools.groupby(enumerate(frames), key=lambda pair: pair[1].path):
         with h5py.File(path) if path.name else contextlib.nullcontext() as source:
@@ -368,12 +380,12 @@ def _chunks_in(source: h5py.File, name: str, frame: Stored) -> Chunks:
 
 
 def _places(name: str, shape: tuple[int, ...]) -> Iterable[tuple[int, ...]]:
-    """Where the chunks of an array of one frame begin in it; there is at least one."""
+    """The first indices of each chunk of an array of one frame; there is at least one chunk."""
     return itertools.product(*(range(0, max(n, 1), c) for n, c in zip(shape, _chunk(name, shape, 1), strict=True)))
 
 
 def _placed(name: str, place: tuple[int, ...], row: int, index: int, steps: int) -> tuple[int, ...]:
-    """Where a chunk of a frame begins in a file of so many steps, in which the frame has this row and index."""
+    """First indices, in a file of so many steps, of the chunk at `place` in the frame at this row and index."""
     if "/particles/" in name:
         return (place[0] + row, *place[1:])
     return (index, *place) if steps > 1 else place

@@ -29,12 +29,13 @@ def reproduce(
     only: Sequence[str] = (),
     progress: bool = False,
 ) -> int:
-    """Computes what the plan of a paper asks for and is not there yet, then writes the page with its figures.
+    """Computes the runs of the plan of a paper that are not there yet, then writes the page with its figures.
 
     once     computes a case in a folder, as `houle.running.runner.once` does
     out      folder of the runs; reproduction-PAPER if not given
     file     the page; out/report.md if not given; its figures go to `figures` beside it
-    quick    the runs marked so, on coarser grids: minutes    spacing  of all runs [m], instead of the plan's
+    quick    only the runs marked so, on coarser grids: minutes
+    spacing  spacing of all runs [m], instead of the plan's
     only     the runs of these names, or patterns (wave-*); the page says what is missing
     Returns the exit status: 0, or 3 if a run failed (the others are on the page). Raises CaseError before anything is
     written, and what houle.run raises but SimulationError.

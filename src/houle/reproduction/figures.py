@@ -1,4 +1,4 @@
-"""The figures of the page: dam breaks with both schemes, u_x under waves, and what the coefficients are."""
+"""The figures of the page: dam breaks with both schemes, u_x under waves, and the coefficients."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from houle.results.run import Run
 OURS, PAPERS = WATER, LABORATORY
 SCHEMES = {"houle": OURS, "jh2020": PAPERS}
 DIVERGING = "RdBu_r"
-HEIGHT = 0.36  # m, of the panels of the waves
-PANEL = (7.4, 1.2)  # inches
+HEIGHT = 0.36  # height shown in the panels of the waves [m]
+PANEL = (7.4, 1.2)  # size of a panel [inches]
 
 
 def pressures(path: Path, pair: Pair, words: str) -> Path:
@@ -193,7 +193,7 @@ def _field(panel: Axes, wave: WaveRun, time: float, largest: float) -> Any:
 
 
 def _up_to_the_surface(u: FloatArray, fill: FloatArray) -> FloatArray:
-    """(nx, nz) with the value of the highest full cell of each column carried upwards into partly filled ones."""
+    """Values (nx, nz), that of the highest full cell of each column carried upwards into partly filled ones."""
     wet = fill > 0.5
     top = np.where(wet.any(axis=1), wet.shape[1] - 1 - np.argmax(wet[:, ::-1], axis=1), 0)
     rows = np.minimum(np.arange(u.shape[1])[None, :], top[:, None])

@@ -1,4 +1,4 @@
-"""The numbers of the page, all of them read out of the runs; the paper's own out of the table beside the plan."""
+"""The numbers of the page: those of the runs, and the paper's own from the table beside the plan."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from houle.results.run import Run
 
 TABLE = "table1.csv"
 COLUMNS = ("slope", "height", "C", "A", "B", "H_R", "H_I", "C_R", "figure", "top", "bottom")
-INSTANTS = (0.4, 0.8, 1.2)  # s, of the dam break in the paper
-TENS = 10.0  # the instants of its waves, read as tens of seconds: see the page
+INSTANTS = (0.4, 0.8, 1.2)  # instants of the dam break in the paper [s]
+TENS = 10.0  # factor of the instants of its waves: they are read as tens of seconds, see the page
 NOTHING = (float("nan"), float("nan"))
 
 
@@ -44,7 +44,7 @@ class Printed:
 
     @property
     def instants(self) -> tuple[float, float]:
-        """[s], tens of seconds taken for the seconds of the captions."""
+        """Instants [s] of the upper and lower figure, the seconds of the captions taken as tens of seconds."""
         return round(TENS * self.top, 6), round(TENS * self.bottom, 6)
 
 
@@ -57,7 +57,10 @@ def printed(folder: Path) -> list[Printed]:
 
 @dataclass(frozen=True)
 class Reading:
-    """A, B: highest and lowest level in front of the block, C: the one in it farthest from still water; (x, level)."""
+    """Three points (x, level) [m] of a surface, as the paper names them.
+
+    A, B  highest and lowest level in front of the block     C  level in it that is farthest from still water
+    """
 
     A: tuple[float, float]
     B: tuple[float, float]
@@ -66,14 +69,14 @@ class Reading:
 
 @dataclass(frozen=True)
 class WaveRun:
-    """Results of a run with waves about its block."""
+    """A run with waves, and its results about the block."""
 
     job: Job
     run: Run
 
     @cached_property
     def entry(self) -> dict[str, Any]:
-        """[reflection] of run.json; empty if the run was too short to measure."""
+        """The entry "reflection" of run.json; empty if the run was too short to measure."""
         found = self.run.summary.get("reflection") or {}
         return {} if "problem" in found else found
 
@@ -100,7 +103,7 @@ class WaveRun:
 
     @cached_property
     def formula(self) -> Reflection:
-        """The paper's formula with the highest and the lowest level at the gauges in the window."""
+        """Coefficients of the paper's formula, from the highest and the lowest level at the gauges in the window."""
         case, window = self.run.case, self.entry["window"]
         assert case.waves is not None and case.reflection is not None
         return reflection(
@@ -110,9 +113,9 @@ class WaveRun:
 
     @cached_property
     def levels(self) -> FloatArray:
-        """(G, T) [m] at the gauges in the window, above the bed."""
-        r, frame = self.formula.record, self.formula.window
-        return r.between(frame.start, frame.end).eta
+        """Levels (G, T) [m] above the bed at the gauges in the window."""
+        record, window = self.formula.record, self.formula.window
+        return record.between(window.start, window.end).eta
 
     @property
     def highest(self) -> float:
@@ -124,7 +127,7 @@ class WaveRun:
 
     @property
     def envelope(self) -> float:
-        """(19) with the largest and the smallest wave height along the flume, what it was made for."""
+        """C_R of equation (19) with the largest and the smallest wave height along the flume, as it is meant."""
         heights = np.ptp(self.levels, axis=1)
         return float((heights.max() - heights.min()) / (heights.max() + heights.min()))
 
@@ -162,7 +165,7 @@ class WaveRun:
 
 
 def _waterline(polygon: Sequence[tuple[float, float]], level: float) -> float:
-    """x [m] where the front of a body goes through the level."""
+    """Place x [m] at which the front of a body goes through the level."""
     corners = np.array([*polygon, polygon[0]], dtype=float)
     found = []
     for (x0, z0), (x1, z1) in pairwise(corners):
@@ -180,7 +183,7 @@ class Pair:
     papers: Run
 
     def gain(self, run: Run, time: float) -> float:
-        """Relative change of the water volume since the start."""
+        """Relative change of the water volume of a run since the start, at a time [s]."""
         drift = run.series.volume_drift
         return float(np.interp(time, drift.time.values, drift.values))
 
@@ -188,7 +191,7 @@ class Pair:
         """Mean level of the paper's scheme above ours [m]."""
         return float(np.mean(self._difference(time)))
 
-    def apart(self, time: float) -> float:
+    def distance(self, time: float) -> float:
         """Root mean square of the difference of the levels [m]."""
         return float(np.sqrt(np.mean(self._difference(time) ** 2)))
 
@@ -197,47 +200,47 @@ class Pair:
         return laboratory.level(self.papers.surface, time, x) - laboratory.level(self.ours.surface, time, x)
 
     def scores(self) -> list[tuple[float, float, float]]:
-        """Time [s], rms [m] against the laboratory of ours and of the paper's; empty without laboratory points."""
+        """Time [s], rms [m] against the laboratory by our scheme and by the paper's; empty without points."""
         one, other = (run.summary.get("reference") for run in (self.ours, self.papers))
         if not one or not other:
             return []
         return list(zip(one["times"], one["rms"], other["rms"], strict=False))
 
     def overall(self) -> tuple[float, float]:
-        """rms of all points [m], ours and the paper's."""
+        """rms over all laboratory points [m], of our scheme and of the paper's."""
         one, other = (run.summary.get("reference") or {} for run in (self.ours, self.papers))
         return one.get("overall", float("nan")), other.get("overall", float("nan"))
 
 
 @dataclass(frozen=True)
 class Found:
-    """Everything there is for the page."""
+    """All results for the page: the table of the paper, pairs of dam breaks, runs with waves."""
 
     table: list[Printed]
     pairs: list[Pair]
     waves: list[WaveRun]
 
-    def of(self, part: str, slope: int = 0, height: float = 0.0, flume: int = 0) -> list[WaveRun]:
-        """Runs with waves of a part of the plan; 0 is any."""
+    def of_part(self, part: str, slope: int = 0, height: float = 0.0, flume: int = 0) -> list[WaveRun]:
+        """Runs with waves of a part of the plan, slope, height and flume; 0 stands for any."""
         wanted = {"part": part, **{k: v for k, v in (("slope", slope), ("height", height), ("flume", flume)) if v}}
         return [w for w in self.waves if all(getattr(w.job, k) == v for k, v in wanted.items())]
 
     def row(self, p: Printed, flume: int) -> WaveRun | None:
-        """The run of a row of the table in a flume [m], if it is there and long enough."""
-        rows = [w for w in self.of("table", p.slope, p.height, flume) if w.entry]
+        """The run of a row of the table in a flume of this length [m]; None if there is none long enough."""
+        rows = [w for w in self.of_part("table", p.slope, p.height, flume) if w.entry]
         return rows[0] if rows else None
 
 
 @dataclass
 class Done:
-    """Finished runs by the name of their job, and why others failed."""
+    """Finished runs by the name of their job, and the reasons why others failed."""
 
     runs: dict[str, Run] = field(default_factory=dict)
     failed: dict[str, str] = field(default_factory=dict)
 
 
 def gather(folder: Path, jobs: Sequence[Job], runs: Mapping[str, Run]) -> Found:
-    """Results of these runs of the plan in this folder."""
+    """All results of these runs of the plan in this folder."""
     there = [(job, runs[job.name]) for job in jobs if job.name in runs]
     dams = {(job.of, job.scheme): run for job, run in there if job.part == "dam-break"}
     names = list(dict.fromkeys(of for of, _ in dams))

@@ -1,4 +1,4 @@
-"""Small pictures for a repository."""
+"""Packing of pictures, so that they are small enough for a repository."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from PIL import Image
 
 from houle.output.atomic import replacing
 
-LIMIT = 190_000  # bytes, above which colours are given up
+LIMIT = 190_000  # bytes from which on a picture gets 256 colours
 
 
 def pack(path: Path) -> Path:
-    """The PNG in place of itself, packed as far as it goes; with 256 colours, dithered, if it is still too large."""
+    """Packs a PNG as far as it goes, in its place; with 256 colours, dithered, if it is still too large."""
     with Image.open(path) as picture:
         whole = picture.convert("RGB")
     _save(whole, path)

@@ -1,4 +1,4 @@
-"""The page: the words of page.md with tables, figures and numbers in their places."""
+"""The page of a reproduction: the words of page.md, with tables, figures and numbers in their places."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from houle.results.run import Run
 from houle.results.seconds import duration
 
 FIGURES = "figures"
-PERIODS = (0.8, 1.0, 1.2, 1.5, 2.0)  # s, of the table of theory
-GRAINS = (0.003, 0.0159, 0.05)  # m
-MAIN = 5  # m, the flume of the figures
+PERIODS = (0.8, 1.0, 1.2, 1.5, 2.0)  # periods in the table of theory [s]
+GRAINS = (0.003, 0.0159, 0.05)  # grain diameters in it [m]
+MAIN = 5  # length of the flume of the figures [m]
 ABSENT = "*Not computed: the runs for it are missing.*"
 NONE = "–"
 
 
 def write(file: Path, folder: Path, found: Found, done: Done, quick: bool) -> Path:
-    """The page of the paper in `folder`, and the figures beside it. Raises OutputError."""
+    """Writes the page of the paper in `folder`, and the figures beside it. Raises OutputError."""
     import houle
 
     (file.parent / FIGURES).mkdir(parents=True, exist_ok=True)
@@ -43,7 +43,7 @@ def write(file: Path, folder: Path, found: Found, done: Done, quick: bool) -> Pa
 
 
 def _version(number: str) -> str:
-    """Nothing if houle is not installed, but run from a checkout."""
+    """The version in words; "" if houle is not installed, but run from a checkout."""
     return f" (houle {number})" if number[0].isdigit() else ""
 
 
@@ -54,7 +54,7 @@ def _state(done: Done, quick: bool) -> str:
 
 
 def _figures(file: Path, paper: str, found: Found, curves: dict[float, list[tuple[float, float]]]) -> dict[str, str]:
-    """Draws what there are runs for; by place the line that shows it."""
+    """Draws the figures for which there are runs; returns by place on the page the line that shows one."""
 
     def show(name: str, words: str, draw: Callable[[Path], Path]) -> str:
         path = file.parent / FIGURES / f"{paper}-{name}.png"
@@ -116,7 +116,7 @@ def _tables(found: Found, curves: dict[float, list[tuple[float, float]]]) -> dic
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown, the first column left, the others right; ABSENT without rows."""
+    """A table in Markdown, the first column left, the others right; ABSENT without rows."""
     body = list(rows)
     if not body:
         return ABSENT
@@ -138,7 +138,7 @@ def _dam(pairs: Sequence[Pair]) -> str:
         for t in INSTANTS:
             ours, papers = pair.gain(pair.ours, t), pair.gain(pair.papers, t)
             rows.append((pair.name, f"{t:g}", _change(ours), _change(papers),
-                         f"{1e3 * pair.offset(t):+.1f} mm", f"{1e3 * pair.apart(t):.1f} mm"))  # fmt: skip
+                         f"{1e3 * pair.offset(t):+.1f} mm", f"{1e3 * pair.distance(t):.1f} mm"))  # fmt: skip
     return _table(head, rows)
 
 
@@ -156,7 +156,7 @@ def _scores(pairs: Sequence[Pair]) -> str:
 def _one(found: Found) -> str:
     head = ("face, H_0", "flume", "A", "B", "printed", "formula", "heights", "separated", "H_I", "theory")
     rows = []
-    for flume in sorted({w.job.flume for w in found.of("table")}):
+    for flume in sorted({w.job.flume for w in found.of_part("table")}):
         for p in found.table:
             if (w := found.row(p, flume)) is None:
                 continue
@@ -201,7 +201,7 @@ def _changed(found: Found) -> str:
     rows = []
     for p in found.table:
         first = found.row(p, MAIN)
-        others = [w for w in found.of("sensitivity", p.slope, p.height) if w.entry]
+        others = [w for w in found.of_part("sensitivity", p.slope, p.height) if w.entry]
         for w in ([first] if first else []) + others:
             rows.append((f"{p.slope}°, {p.height:g} m", w.job.changed or "as in table 1", f"{w.formula.C_R:.3f}",
                          _sure(w), _height_of(w), _number(w.theory)))  # fmt: skip
@@ -209,7 +209,7 @@ def _changed(found: Found) -> str:
 
 
 def _curves(found: Found) -> dict[float, list[tuple[float, float]]]:
-    """By grains [m]: period [s], C_R of theory for the upright block and the lowest waves of the table."""
+    """Periods [s] and C_R of theory by grains [m], for the upright block and the lowest waves of the table."""
     upright = [w for w in found.waves if w.run.case.porous[0].box is not None]
     if not upright:
         return {}
@@ -229,11 +229,11 @@ def _theory(curves: dict[float, list[tuple[float, float]]]) -> str:
 
 
 def _scheme(found: Found) -> str:
-    """The paper's scheme against ours under waves: volume, level, height at a gauge in the last period of it."""
+    """Table of the paper's scheme and ours under waves: volume, level, height at a gauge in the last period."""
     lines = []
-    for w in found.of("scheme"):
-        ours = next((o for o in found.of("sensitivity", w.job.slope, w.job.height) if _same_grid(o, w)), None)
-        ours = ours or next((o for o in found.of("table", w.job.slope, w.job.height) if _same_grid(o, w)), None)
+    for w in found.of_part("scheme"):
+        ours = next((o for o in found.of_part("sensitivity", w.job.slope, w.job.height) if _same_grid(o, w)), None)
+        ours = ours or next((o for o in found.of_part("table", w.job.slope, w.job.height) if _same_grid(o, w)), None)
         if ours is None:
             continue
         assert w.run.case.waves is not None and w.run.case.waves.period is not None
@@ -274,7 +274,7 @@ def _runs(done: Done) -> str:
 
 
 def _words(found: Found) -> dict[str, str]:
-    """Numbers in sentences."""
+    """The numbers that stand in the sentences of the page, by name."""
     first = found.table[0]
     low = min(p.height for p in found.table)
     c40 = {p.slope: p.C_R for p in found.table if p.height == low}
@@ -304,7 +304,7 @@ def _words(found: Found) -> dict[str, str]:
 def _spread(found: Found) -> str:
     """Ranges of the two columns of the upright block with the lowest waves."""
     low = min(p.height for p in found.table)
-    runs = [w for part in ("table", "sensitivity") for w in found.of(part, 90, low) if w.entry]
+    runs = [w for part in ("table", "sensitivity") for w in found.of_part(part, 90, low) if w.entry]
     if not runs:
         return "Not computed."
     by_formula, separated = [w.formula.C_R for w in runs], [w.C_R for w in runs]
@@ -352,7 +352,7 @@ def _height_of(w: WaveRun) -> str:
 
 
 def _change(value: float) -> str:
-    """A relative change of the volume in per cent, what is rounding as 0."""
+    """A relative change of the volume in per cent, round-off as 0."""
     return f"{0.0 if abs(value) < 1e-13 else 100 * value:+.1f} %"
 
 

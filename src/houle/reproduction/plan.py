@@ -19,7 +19,7 @@ PLAN = "plan.toml"
 
 @dataclass(frozen=True)
 class Job:
-    """A run of the plan; what the keys mean is said at the head of plan.toml.
+    """A run of the plan; plan.toml explains its keys at its head.
 
     spacing, quick [m]; slope [degrees], height, flume [m], 0 where they do not apply.
     """
@@ -39,7 +39,7 @@ class Job:
     folder: Path = FOLDER
 
     def load(self, spacing: float | None, quick: bool) -> Case:
-        """The case to run, named as the job; spacing [m] instead of that of the plan. Raises CaseError."""
+        """The case to run, with the name of the job and, if given, this spacing [m]. Raises CaseError."""
         file = self.folder / f"{self.case}.toml"
         chosen = spacing or (self.quick if quick and self.quick else self.spacing)
         changes = {"case.name": self.name, "domain.spacing": chosen, **self.set}
@@ -64,7 +64,7 @@ def read(folder: Path) -> list[Job]:
 
 
 def choose(jobs: Sequence[Job], only: Sequence[str], quick: bool) -> list[Job]:
-    """Those of --quick, or all; of those the ones of the names or patterns in `only`. CaseError if there is none."""
+    """The jobs asked for: those of --quick or all, and of these the names or patterns in `only`. Raises CaseError."""
     ready = [job for job in jobs if job.quick is not None or not quick]
     for pattern in only:
         if not any(fnmatch(job.name, pattern) for job in ready):

@@ -1,4 +1,4 @@
-"""Computes the runs of a plan one after another, each once: what lies finished in the folder is not run again."""
+"""Computes the runs of a plan one after another, each once: one that is finished in the folder is not run again."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RUNS = "runs"
 
 
 def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, says: Silent, once: Callable[[Case, Path], Run]) -> Done:
-    """Runs what is not there, goes on with what was interrupted; a run that fails does not stop the others.
+    """Computes the runs that are missing and resumes interrupted ones; a run that fails does not stop the others.
 
     once: makes the run of a case in a folder, or goes on with the one that lies there
 
@@ -29,12 +29,12 @@ def compute(jobs: Sequence[tuple[Job, Case]], folder: Path, says: Silent, once: 
     done = Done()
     places = {job.name: folder / RUNS / f"{job.name}-{case.hash[:8]}" for job, case in jobs}
     left = {job.name: price(case).minutes for job, case in jobs if not finished(places[job.name])}
-    pace: float | None = None  # seconds of wall time for a minute of the price
-    spent = bought = 0.0
+    pace: float | None = None  # seconds of wall time for an estimated minute
+    spent = bought = 0.0  # wall time [s] so far, and the minutes that were estimated for it
     for number, (job, case) in enumerate(jobs, start=1):
         place, head = places[job.name], f"run {number} of {len(jobs)}, {job.name}"
         if job.name not in left:
-            says.say(f"houle: {head}: is there")
+            says.say(f"houle: {head}: is finished")
             done.runs[job.name] = open_run(place)
             continue
         rest = "" if pace is None else f"; all that is left: about {duration(pace * sum(left.values()))}"

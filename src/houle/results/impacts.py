@@ -15,11 +15,11 @@ from houle.output.netcdf import TIME, Variable
 if TYPE_CHECKING:
     from houle.results.run import Run
 
-STEPS = 5  # of the computation, or rows of the series, over which a pressure must last
+STEPS = 5  # steps of the computation, or rows of the series, over which a pressure must last
 
 
 def record(run: Run) -> dict[str, Any]:
-    """The entry of run.json, a list in the order of the sensors; {} without sensors, steps or a second row."""
+    """The entry "pressure" of run.json, a list in the order of the sensors; {} without sensors or a second row."""
     series = series_table(run.directory)
     if not {"pressure", "step_size"} <= set(series) or series.sizes["time"] < 2:
         return {}

@@ -1,4 +1,4 @@
-"""How far a run is from the laboratory points of its case."""
+"""The distance of a run from the laboratory points of its case."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from houle.results.run import Run
 
 
 def record(run: Run) -> dict[str, Any]:
-    """The entry of run.json, in plain numbers; {} if there are no points to compare with."""
+    """The entry "reference" of run.json, in plain numbers; {} if there are no points to compare with."""
     file, given = run.case.laboratory, run.case.reference
     if file is None or given is None:
         return {}

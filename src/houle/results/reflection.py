@@ -28,15 +28,18 @@ if TYPE_CHECKING:
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
-NEAR = 1e-6  # m, of two places that are the same
+NEAR = 1e-6  # two places nearer to each other than this are the same [m]
 
 
 @dataclass(frozen=True)
 class ReflectionFlume:
     """Places along the flume as [reflection] names them [m]; the waves go from `maker` to `front`.
 
-    back   where the wave that entered the structure turns at the latest: the back of the structure, or a wall
-    wall   the side of the tank behind the structure      absorbed  a sponge takes the transmitted wave there
+    front  face of the structure towards the maker
+    back   place from which the wave that entered the structure comes back last: its back, or the wall behind it
+    wall   side of the tank behind the structure
+    absorbed  true if a sponge or an absorbing wall takes the transmitted wave
+    quiet     true if nothing at the maker sends the reflected wave back
     """
 
     maker: float
@@ -44,7 +47,7 @@ class ReflectionFlume:
     back: float
     wall: float
     absorbed: bool
-    quiet: bool  # nothing at the maker sends the reflected wave back
+    quiet: bool
 
     @property
     def towards(self) -> float:
@@ -107,7 +110,7 @@ def limits(case: Case, wave: Wave) -> dict[str, Any]:
 
 
 def theory(case: Case, height: float) -> Scatter | None:
-    """Linear theory for incident waves of this height [m], None where there is none: see `no_theory`."""
+    """Linear theory of the structure for incident waves of this height [m]; None if there is none (`no_theory`)."""
     asked = case.reflection
     if asked is None or not asked.theory or no_theory(case) is not None:
         return None
@@ -118,7 +121,7 @@ def theory(case: Case, height: float) -> Scatter | None:
 
 
 def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bool) -> Scatter:
-    """Linear theory of the block, or of one with other grains, for waves of this frequency [rad/s] and height [m]."""
+    """Linear theory of the block `body` in this flume, for waves of this frequency [rad/s] and height [m]."""
     assert case.waves is not None
     low, high = shape_of(body, case.dimension).bounds
     a, b = coefficients(body.resistance, body.porosity, body.grain_diameter, case.fluid.viscosity, case.drag_period)
@@ -131,10 +134,10 @@ def block_theory(case: Case, body: Porous, omega: float, height: float, wall: bo
 
 
 def as_made(case: Case, found: Reflection) -> float:
-    """H_m0 [m] that theory alone leaves at the gauges in the window, taken apart in the same way; NaN for other waves.
+    """H_m0 [m] of the sea by theory at the gauges in the window, analysed in the same way; NaN for other waves.
 
-    A random sea is as high as asked for in the long run; within some tens of waves it is not, and the band of the
-    analysis leaves out the shortest of them. 2D, irregular waves only.
+    A random sea has the height asked for in the long run only, not within some tens of waves, and the band of the
+    analysis leaves out the shortest waves. For irregular waves in 2D.
     """
     waves = case.waves
     if waves is None or found.kind != "irregular" or case.dimension == 3:
@@ -151,10 +154,10 @@ def as_made(case: Case, found: Reflection) -> float:
 
 
 def no_theory(case: Case) -> str | None:
-    """Reason in words for which linear theory has nothing to say of the structure; None if it has.
+    """Reason, in words, why linear theory does not hold for the structure; None if it does.
 
-    It knows one porous rectangle from the bottom through the surface at the place named in [reflection], nothing else
-    in the way, and either a wall right behind it or something that takes up what it transmits, under regular waves.
+    It holds for regular waves and one porous rectangle, from the bottom through the surface, at the place named in
+    [reflection]. Nothing else may stand in the way, and behind it there is a wall, or an absorber of what it transmits.
     """
     assert case.reflection is not None and case.waves is not None
     if case.waves.kind != "regular":
@@ -192,13 +195,16 @@ def wave_of(case: Case) -> Wave:
 
 
 def first_harmonic(wave: Wave) -> float:
-    """Crest to trough of the first harmonic of a regular wave of theory [m]: what separation and card measure."""
+    """Height [m], crest to trough, of the first harmonic of a regular wave: the analysis of gauges measures that."""
     parts = wave.components()
     return wave.height if parts is None else 2.0 * float(parts.amplitude[0])
 
 
 def record(run: Run) -> dict[str, Any]:
-    """Measures, draws reflection.png, and returns the entry of run.json, or why there is none. {} if not asked for."""
+    """Measures, draws reflection.png, and returns the entry "reflection" of run.json: numbers, or the problem met.
+
+    It is {} if the case does not ask for it.
+    """
     if run.case.reflection is None:
         return {}
     try:
@@ -222,7 +228,7 @@ def record(run: Run) -> dict[str, Any]:
 
 
 def asked_for(case: Case) -> dict[str, float]:
-    """Height of the waves asked for, H or H_s; of regular ones also that of their first harmonic, which H_I is [m]."""
+    """Height [m] of the waves asked for, H or H_s; for regular ones also that of their first harmonic, as in H_I."""
     wave = wave_of(case)
     if case.waves is not None and case.waves.kind == "regular":
         return {"H_asked": float(wave.height), "H_asked_1": first_harmonic(wave)}
@@ -230,5 +236,5 @@ def asked_for(case: Case) -> dict[str, float]:
 
 
 def draw(found: Reflection, path: Path) -> None:
-    """The picture; it does not fail the run."""
+    """Draws the picture of the analysis."""
     found.plot(path)

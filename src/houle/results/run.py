@@ -1,4 +1,4 @@
-"""A run folder as it lies there: what `houle run` leaves, and what `houle.open_run` opens."""
+"""A run folder, as `houle run` leaves it and `houle.open_run` opens it."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class Run:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """All of run.json."""
+        """All of run.json, as a dict."""
         from houle.output import read_manifest
 
         return read_manifest(self.directory)
 
     @property
     def summary(self) -> dict[str, Any]:
-        """How the run went: finished, time, steps, seconds, volume drift, energy, score against the laboratory."""
+        """Outcome of the run: finished, time, steps, seconds, volume drift, energy, score against the laboratory."""
         return {"finished": self.manifest["finished"], **self.manifest["summary"]}
 
     @cached_property
@@ -51,7 +51,7 @@ class Run:
 
     @cached_property
     def surface(self) -> xarray.Dataset:
-        """eta(time, x), in 3D eta(time, y, x)."""
+        """Profiles of the free surface: eta(time, x), in 3D eta(time, y, x) [m]."""
         from houle.output import read_surface
 
         return read_surface(self.directory)

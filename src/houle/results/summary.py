@@ -1,4 +1,4 @@
-"""What a run says when it ends, as tables of words: all of it stands in its run.json, whose entries are told here."""
+"""The summary of a run as tables of words. They hold nothing but the entries of its run.json."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 from houle.results.seconds import duration
 
 Rows = list[tuple[str, str]]
-FEW = 1.5  # steps: what lasts no longer is an impulse
+FEW = 1.5  # steps: a pressure that lasts no longer is an impulse
 
 
 def overview(summary: dict[str, Any]) -> Rows:
@@ -31,7 +31,7 @@ def overview(summary: dict[str, Any]) -> Rows:
 
 
 def operations(summary: dict[str, Any]) -> Rows:
-    """Seconds and share of the wall time: operations of the steps, largest first, then what is beside the steps."""
+    """Seconds and share of the wall time: operations of the steps, largest first, then the stages beside the steps."""
     wall = max(1e-9, summary["wall_seconds"])
     steps, beside = summary["operations"], summary["stages"]
     rest = {"loading the program, the rest": max(0.0, wall - sum(steps.values()) - sum(beside.values()))}
@@ -42,8 +42,8 @@ def operations(summary: dict[str, Any]) -> Rows:
 def energy(summary: dict[str, Any]) -> Rows:
     """The energy budget since the start [J], per metre of width in 2D.
 
-    With waves without the operations of the steps: they know the potential energy of the particles, which changes with
-    their packing, and not that of the levels.
+    For runs with waves the operations of the steps are left out: their potential energy is that of the particles, which
+    changes with the packing, and not that of the levels.
     """
     waves = "wave_energy" in summary
     shown = {n: value for n, value in summary["energy"].items() if not (waves and n.startswith("energy_"))}
@@ -58,7 +58,7 @@ def waves(summary: dict[str, Any]) -> tuple[str, Rows]:
 
 
 def _wave_energy(entry: dict[str, Any]) -> Rows:
-    """Rows of the energy budget of waves, from the entry of run.json; those of next to nothing are left out."""
+    """Rows of the energy budget of waves, from the entry of run.json; rows of next to nothing are left out."""
     if not entry:
         return []
     unit = entry["unit"]
@@ -121,9 +121,11 @@ def reflection(entry: dict[str, Any]) -> Rows:
             lines.append((name, f"{value:.3f}{sure}{beside}"))
     heights = [("incident", "H_I"), ("reflected", "H_R"), ("transmitted", "H_T")]
     shown = ", ".join(f"{word} {1e3 * entry[key]:.4g} mm" for word, key in heights if _number(entry[key]))
-    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown + _of_what(entry)))
+    lines.append(("height" if entry["kind"] == "regular" else "H_m0", shown + _asked_for(entry)))
     if _number(entry.get("H_made")):
-        lines.append(("of the sea as made", f"{1e3 * entry['H_made']:.4g} mm: theory at the gauges, in this window"))
+        lines.append(
+            ("H_m0 by theory", f"{1e3 * entry['H_made']:.4g} mm for the sea as made, at the gauges in this window")
+        )
     w = entry["window"]
     lines.append(("window", f"{w['start']:.4g} to {w['end']:.4g} s, {w['periods']} periods: {w['reason']}"))
     lines.append((f"interval ({100 * entry['confidence']:g} %)", entry["covers"]))
@@ -136,8 +138,8 @@ def reflection(entry: dict[str, Any]) -> Rows:
     return [*lines, *(("note", note) for note in entry["notes"])]
 
 
-def _of_what(entry: dict[str, Any]) -> str:
-    """Words on what the heights are, beside what was asked for."""
+def _asked_for(entry: dict[str, Any]) -> str:
+    """Words behind the heights: the height asked for, and for regular waves that all are first harmonics."""
     asked, first = (1e3 * (entry.get(key) or math.nan) for key in ("H_asked", "H_asked_1"))
     if entry["method"] == "jh2020" or not _number(asked):
         return ""

@@ -1,9 +1,9 @@
 """Energy budget of the waves: work of the maker = sponges + drag + viscosity + stored + lost in numbers.
 
 It is made for runs with [waves], from their series, as mean powers over the last periods. Potential energy is that of
-the levels of the columns (`potential_energy` of such runs). What is lost in numbers is what is left over. It is set
-beside the energy that the waves hold: lost per wavelength is the part of it lost while the energy goes a wavelength, in
-L / c_g.
+the levels of the columns (`potential_energy` of such runs). The remainder is the loss in numbers. It is compared with
+the energy that the waves hold: the loss per wavelength is the share lost in L / c_g, while the energy goes a
+wavelength.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
     from houle.results.run import Run
     from houle.waves.wave import Wave
 
-PERIODS = 5  # at the end of the run
-FEWEST = 2
+PERIODS = 5  # periods at the end of the run over which means are taken
+FEWEST = 2  # periods with which there is a budget
 SETTLE = 2.0  # periods after the ramp before the budget begins
 GIVEN = ("source_work", "open_work", "energy_exchange")
 TAKEN = ("sponge_work", "drag_work", "viscous_work")
 
 
 def record(run: Run) -> dict[str, Any]:
-    """The entry of run.json; {} without periodic waves, or when the run is too short for them."""
+    """The entry "wave_energy" of run.json; {} without periodic waves, or when the run is too short for them."""
     window = None if run.case.waves is None else _window(run.case, float(run.series.time[-1]))
     if window is None:
         return {}

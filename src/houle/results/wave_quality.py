@@ -1,7 +1,7 @@
-"""Wave quality card: how good the waves of a case are before anything stands in their way.
+"""Wave quality card: the quality of the waves of a case in the flume without its structure.
 
-The flume of the case is computed without the structure: a sponge stands there instead, and gauges of its own along the
-way. This is done once for all cases with the same flume and waves; the card is kept in the user's cache folder.
+That flume (the twin of the case) is computed by itself, with a sponge in place of the structure and gauges of its own.
+This is done once for all cases with the same flume and waves; the card is kept in the user's cache folder.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
     from houle.waves.wave import Wave
 
 GAUGES = 16
-SPONGE = 1.5  # wavelengths
-STRETCH = 1.2  # wavelengths of gauges, at least
+SPONGE = 1.5  # length of the sponge [wavelengths]
+STRETCH = 1.2  # least length of the row of gauges [wavelengths]
 SETTLE, PERIODS = 1.0, 5  # periods to wait after the sponge has answered, and periods that are measured
-SAMPLES = 50  # a period
+SAMPLES = 50  # samples in a period
 
 
 class Says(Protocol):
-    """Tells a reader how far a computation is."""
+    """A reporter of the progress of a computation, such as those of `houle.running.progress`."""
 
     def say(self, text: str) -> None: ...
 
@@ -45,9 +45,9 @@ class Says(Protocol):
 
 
 def card(case: Case, says: Says) -> dict[str, Any]:
-    """The card in plain numbers, with the file that keeps it; {} if not asked for, {"problem": ...} if there is none.
+    """The card in plain numbers, with the file that keeps it; {} if not asked for, {"problem": ...} if it fails.
 
-    It is an extra: whatever goes wrong, the run it belongs to is not touched by it.
+    A failure of the card does not touch the run that it belongs to.
     """
     asked = case.reflection
     if asked is None or not asked.twin:
@@ -78,7 +78,7 @@ def folder() -> Path:
 def empty_flume(case: Case) -> Case:
     """The flume without porous bodies, without solids at or behind the structure's face, and with a sponge there.
 
-    Solids that begin before the face are the bed. Raises CaseError, or AnalysisError where this cannot be done.
+    Solids that begin before the face are the bed. Raises CaseError or AnalysisError if this cannot be done.
     """
     assert case.waves is not None and case.reflection is not None
     if case.waves.kind != "regular":

@@ -1,4 +1,4 @@
-"""How many cores this process may use: those it is bound to, and no more than its container (control group) grants."""
+"""The number of cores that this process may use: it may be bound to some, and its container (control group) limited."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MEMBERSHIP = Path("/proc/self/cgroup")
 
 
 def usable() -> int:
-    """At least 1."""
+    """Number of cores that this process may use, at least 1."""
     bound = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return max(1, math.ceil(min(bound, granted())))
 

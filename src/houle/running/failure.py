@@ -1,4 +1,4 @@
-"""The failure bundle: what someone needs who wants to know why a run failed, in one folder.
+"""The failure bundle: one folder with all that is needed to find out why a run failed.
 
 failure/diagnosis.txt      one paragraph: what, when, where, and what to try
 failure/worst.json         the worst particles as dicts
@@ -27,8 +27,9 @@ WORST = 20
 
 
 def as_failure(error: Exception, step: int, time: float) -> SimulationError:
-    """The error of a step that began at a time [s] as a SimulationError: itself, or for an unexpected one what is
-    known, with the traceback.
+    """The error itself if it is a SimulationError; else a SimulationError with its text and traceback.
+
+    step, time: number of the step in which it came up, and the time [s] at which that step began.
     """
     if isinstance(error, SimulationError):
         return error
@@ -58,7 +59,7 @@ def write_bundle(
 
 
 def diagnose(error: SimulationError, checkpoint: Path) -> str:
-    """One paragraph (and a traceback, if the error was unexpected)."""
+    """The diagnosis of a failure in one paragraph, and a traceback if the error was unexpected."""
     where = "" if error.place is None else f" at ({', '.join(f'{x:.4g}' for x in error.place)}) m"
     first, _, rest = error.diagnosis.partition("\n")
     text = (
@@ -85,7 +86,7 @@ def worst_particles(particles: Particles) -> list[dict]:
 
 
 def _plain(value: Any) -> Any:
-    """As JSON can hold it: NumPy becomes Python, and a number that is not finite becomes its name, "nan" or "inf"."""
+    """A value that JSON can hold: NumPy becomes Python, and a number that is not finite its name, "nan" or "inf"."""
     if isinstance(value, dict):
         return {str(k): _plain(v) for k, v in value.items()}
     if isinstance(value, np.ndarray | np.generic):

@@ -1,4 +1,4 @@
-"""What a run says while it works: a bar with numbers on a terminal, a plain line now and then elsewhere, or nothing.
+"""Reports of a run while it works: a bar with numbers on a terminal, plain lines elsewhere, or nothing.
 
 Nothing heavy is imported here, so that the first words appear at once, before NumPy and the numerical core are loaded.
 """
@@ -16,13 +16,13 @@ from typing import Protocol, TextIO
 
 from houle.results.seconds import duration
 
-BAR_EVERY = 0.25  # s of wall time between two drawings of the bar
-LINE_EVERY = 10.0  # s between two plain lines
-WINDOW = 30.0  # s of wall time over which speeds are averaged
+BAR_EVERY = 0.25  # wall time between two drawings of the bar [s]
+LINE_EVERY = 10.0  # wall time between two plain lines [s]
+WINDOW = 30.0  # wall time over which speeds are averaged [s]
 
 
-class Marching(Protocol):
-    """A simulation as far as its progress is told: time [s], steps, particles, and what it has lost of its water."""
+class Underway(Protocol):
+    """The part of a simulation that its progress is read from: time [s], steps, particles, drift of the water volume."""
 
     steps: int
 
@@ -38,22 +38,22 @@ class Marching(Protocol):
 
 @dataclass(frozen=True)
 class Numbers:
-    """How far a run is. Speeds are means over the last WINDOW seconds; None as long as nothing was measured."""
+    """Progress of a run. Speeds are means over the last WINDOW seconds; None as long as nothing was measured."""
 
     time: float
     end: float
     particles: int
-    drift: float  # of the water volume since the start, relative
+    drift: float  # change of the water volume since the start, relative
     steps_per_second: float | None
-    microseconds: float | None  # of wall time per particle and step
-    left: float | None  # [s] of wall time
+    microseconds: float | None  # wall time per particle and step
+    left: float | None  # wall time to the end [s]
 
     def __str__(self) -> str:
         return ", ".join([f"t = {self.time:.3f} of {self.end:g} s", self.share, *self.details])
 
     @property
     def share(self) -> str:
-        """How much is done, and how long the rest will take."""
+        """The share that is done, and the time that the rest will take, in words."""
         done = f"{100.0 * self.time / self.end:.0f} %"
         return done if self.left is None else f"{done}, {duration(self.left)} left"
 
@@ -66,13 +66,13 @@ class Numbers:
 
 
 class Meter:
-    """Turns what a simulation is into Numbers; `end` is the time to reach [s]."""
+    """Measures the progress of a simulation towards the time `end` [s]."""
 
     def __init__(self, end: float) -> None:
         self.end = end
         self.past: deque[tuple[float, float, int]] = deque()  # wall time, simulated time, steps
 
-    def read(self, simulation: Marching) -> Numbers:
+    def read(self, simulation: Underway) -> Numbers:
         now, count = perf_counter(), len(simulation.particles)
         self.past.append((now, simulation.time, simulation.steps))
         while len(self.past) > 2 and now - self.past[0][0] > WINDOW:
@@ -93,10 +93,10 @@ class Silent:
     def say(self, text: str) -> None:
         pass
 
-    def start(self, simulation: Marching, end: float) -> None:
+    def start(self, simulation: Underway, end: float) -> None:
         pass
 
-    def step(self, simulation: Marching) -> None:
+    def step(self, simulation: Underway) -> None:
         pass
 
     def stop(self) -> None:
@@ -121,11 +121,11 @@ class Lines(Silent):
             except (OSError, ValueError):
                 self.heard = False
 
-    def start(self, simulation: Marching, end: float) -> None:
+    def start(self, simulation: Underway, end: float) -> None:
         self.meter, self.simulation = Meter(end), simulation
         self.show(self.meter.read(simulation))
 
-    def step(self, simulation: Marching) -> None:
+    def step(self, simulation: Underway) -> None:
         if perf_counter() >= self.next:
             self.show(self.meter.read(simulation))
 
@@ -142,7 +142,7 @@ class Bar(Lines):
 
     every = BAR_EVERY
 
-    def start(self, simulation: Marching, end: float) -> None:
+    def start(self, simulation: Underway, end: float) -> None:
         from rich.console import Console
         from rich.live import Live
 
@@ -178,7 +178,7 @@ class Bar(Lines):
 
 
 def reporter(progress: bool, stream: TextIO | None = None) -> Silent:
-    """The one that fits: a bar when the stream (standard error if not given) is a terminal that can draw one."""
+    """A reporter for a stream (by default standard error): a bar if it is a terminal that can draw one, else lines."""
     stream = stream or sys.stderr
     if not progress or stream is None:  # none where it was closed
         return Silent()

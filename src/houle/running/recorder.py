@@ -1,9 +1,10 @@
-"""When a run writes what: series rows at exact multiples of `series_every`, frames at exact multiples of `every`.
+"""The recorder of a run: it decides when rows of the series and frames are written, and hands them to the writers.
 
-And frames at the instants that a comparison needs, whatever `every` is. Frames are stop times: the step before is
-shortened to land on them. Series rows are not; they are interpolated linearly
-between the samples of the steps around them, each quantity at its own instant (leapfrog: levels stand at the ends of
-steps, velocities in their middles). The samples of the last three steps are therefore part of the checkpoint.
+Rows stand at exact multiples of `series_every`, frames at exact multiples of `every` and at the instants that a
+comparison needs. Frames are stop times: the step before is shortened to land on them. Rows are not; they are
+interpolated linearly between the samples of the steps around them, each quantity at its own instant (leapfrog: levels
+stand at the ends of steps, velocities in their middles). The samples of the last three steps are therefore part of the
+checkpoint.
 """
 
 from __future__ import annotations
@@ -21,12 +22,12 @@ from numpy.typing import NDArray
 from houle.flow.snapshot import Snapshot
 
 Sample = dict[str, NDArray[np.float64] | float]
-PREFIX = "recorder."
-SAME = 1e-6  # of an interval between frames
+PREFIX = "recorder."  # all its names in a checkpoint begin so
+SAME = 1e-6  # two times nearer to each other than this share of the interval between frames are the same
 
 
 def multiple(k: int, interval: float) -> float:
-    """k intervals [s], multiplied as the decimal number the user wrote: 3 x 0.1 is 0.3 and equals 60 x 0.005."""
+    """k intervals [s], multiplied as the decimal numbers that the user wrote: 3 x 0.1 is 0.3 and equals 60 x 0.005."""
     return float(Decimal(repr(float(interval))) * k)
 
 
@@ -39,14 +40,15 @@ class Observed:
     values: Sample
 
     def instant(self, lag: float) -> float:
-        """The time [s] of a quantity that lags by that share of the step."""
+        """The time [s] to which a quantity belongs that lags by this share of the step."""
         return self.time - lag * self.step
 
 
 def interpolate(time: float, observed: Sequence[Observed], lag: Mapping[str, float]) -> Sample:
-    """Linear in time between the samples before and after, each quantity at its own instant, `lag` steps early.
+    """A row at a time [s], linear between the samples before and after, each quantity at its own instant.
 
-    After the last instant the line through the last two goes on. NaN (dry) on either side stays NaN.
+    lag: share of a step by which the instant of a quantity lies before the end of the step. After the last instant the
+    line through the last two goes on. NaN (dry) on either side stays NaN.
     """
     between = {share: _between(time, [o.instant(share) for o in observed]) for share in {0.0, *lag.values()}}
     row: Sample = {}
@@ -59,7 +61,7 @@ def interpolate(time: float, observed: Sequence[Observed], lag: Mapping[str, flo
 
 
 def _between(time: float, instants: Sequence[float]) -> tuple[int, float]:
-    """Which of the instants comes next (or is the last one), and its weight beside that before it."""
+    """Number of the next instant (of the last one if none comes), and its weight against the instant before it."""
     i = next((i for i, t in enumerate(instants) if t >= time), len(instants) - 1)
     if i == 0 or instants[i] == time or instants[i] <= instants[i - 1]:
         return i, 1.0
@@ -67,7 +69,7 @@ def _between(time: float, instants: Sequence[float]) -> tuple[int, float]:
 
 
 class Writers(Protocol):
-    """What takes rows and frames, as `houle.output.Outputs` does."""
+    """Receiver of rows and frames; `houle.output.Outputs` is one."""
 
     def append_series(self, time: float, sample: Mapping[str, Any]) -> None: ...
 
@@ -75,7 +77,7 @@ class Writers(Protocol):
 
 
 class Marching(Protocol):
-    """What a recorder asks of a simulation."""
+    """The part of a simulation that a recorder uses."""
 
     @property
     def time(self) -> float: ...
@@ -113,8 +115,8 @@ class Recorder:
     ) -> None:
         self.outputs, self.end, self.every, self.series_every = outputs, float(end), every, series_every
         self.instants = sorted(t for t in instants if SAME * every < t)  # [s]
-        self.rows = self.frames = 0  # how many rows were written, how many multiples of `every` are passed
-        self.observed: list[Observed] = []  # the last three
+        self.rows = self.frames = 0  # rows that were written; multiples of `every` that are passed
+        self.observed: list[Observed] = []  # the last three samples
 
     @property
     def stop(self) -> float:
@@ -138,7 +140,7 @@ class Recorder:
         return sorted([*regular, *between])
 
     def _between(self, time: float) -> bool:
-        """Whether an instant is not that of a multiple of `every`."""
+        """True for an instant that is no multiple of `every`."""
         return abs(time - multiple(round(time / self.every), self.every)) > SAME * self.every
 
     @property
@@ -151,14 +153,14 @@ class Recorder:
         return multiple(self.rows - 1, self.series_every)
 
     def start(self, simulation: Marching) -> None:
-        """The first row and the first frame, at the time of the simulation."""
+        """Writes the first row and the first frame, at the time of the simulation."""
         self.observed = [Observed(simulation.time, 0.0, simulation.sample())]
         self.outputs.append_series(simulation.time, self.last.values)
         self.outputs.append_frame(simulation.frame())
         self.rows = self.frames = 1
 
     def step(self, simulation: Marching, values: Sample) -> None:
-        """The rows that are due, given its sample(), and the frame if this step ends on one."""
+        """Writes the rows that are due, and the frame if the step ends on one; values: sample() of the simulation."""
         stop = self.stop
         self.observed = [*self.observed[-2:], Observed(simulation.time, simulation.step_size, values)]
         self._write_rows(self.observed[-2].time, simulation.lag)
@@ -167,11 +169,11 @@ class Recorder:
             self._count_frames()
 
     def _count_frames(self) -> None:
-        """From the time alone, so also where a run is prolonged after an end that was no multiple."""
+        """Counts the multiples of `every` up to now, by the time alone: a former end may have been no multiple."""
         self.frames = int(self.last.time / self.every + SAME) + 1
 
     def finish(self, simulation: Marching) -> None:
-        """The rows up to the last step: of what lags, the line through its last two values goes on."""
+        """Writes the rows up to the last step; quantities that lag go on along the line of their last two values."""
         self._write_rows(self.last.time, simulation.lag)
 
     def _write_rows(self, until: float, lag: Mapping[str, float]) -> None:
@@ -180,7 +182,7 @@ class Recorder:
             self.rows += 1
 
     def agrees(self, simulation: Marching) -> bool:
-        """Whether what was restored belongs to a simulation that stands here: its time, its sample, its rows."""
+        """True if the restored samples and rows belong to this simulation: to its time and the shapes of its sample."""
         shapes = {name: np.shape(value) for name, value in simulation.sample().items()}
         times = [observed.time for observed in self.observed]
         row = multiple(self.rows, self.series_every)
@@ -194,7 +196,7 @@ class Recorder:
         )
 
     def state(self) -> dict[str, Any]:
-        """What a checkpoint must hold beside the simulation's own state; every name starts with PREFIX."""
+        """The state of the recorder for a checkpoint; all names start with PREFIX."""
         state: dict[str, Any] = {PREFIX + "rows": np.int64(self.rows), PREFIX + "frames": np.int64(self.frames)}
         for i, observed in enumerate(self.observed):
             state[f"{PREFIX}{i}.time"] = np.float64(observed.time)
@@ -203,7 +205,7 @@ class Recorder:
         return state
 
     def restore(self, state: dict[str, Any]) -> None:
-        """Goes on from state(); names that are not the recorder's are left alone."""
+        """Takes a state() back; names that are not the recorder's are ignored."""
         self.rows = int(state[PREFIX + "rows"])
         self.observed = []
         while (key := f"{PREFIX}{len(self.observed)}.") + "time" in state:

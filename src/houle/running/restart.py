@@ -1,4 +1,4 @@
-"""Taking up a run from what its folder holds: the newest checkpoint that is whole, sound and of this case."""
+"""Restart of a run from its folder: from the newest checkpoint that is whole, sound and of this case."""
 
 from __future__ import annotations
 
@@ -25,9 +25,11 @@ PARTICLES = ("flow/particles/position", "flow/particles/velocity", "flow/particl
 ON_CELLS = ("flow/pressure", "flow/psi")  # arrays of a state, (nx, [ny,] rows)
 
 
-def left(directory: Path) -> tuple[Case, dict[str, Any], set[str]]:
-    """The case of a run folder, its run.json ({} if the run was killed before it wrote one), and the hashes that the
-    case has and had, before it was prolonged. CaseError if there is no run."""
+def existing(directory: Path) -> tuple[Case, dict[str, Any], set[str]]:
+    """The case of a run folder, its run.json, and the hashes that the case has and had before it was prolonged.
+
+    run.json is {} if the run was killed before it wrote one. Raises CaseError if there is no run.
+    """
     try:
         manifest = read_manifest(directory)
     except OutputError as error:
@@ -53,7 +55,7 @@ def prolonged(case: Case, until: float) -> Case:
 def prolong(
     directory: Path, case: Case, longer: Case, manifest: Mapping[str, Any], hashes: Collection[str]
 ) -> tuple[Case, dict[str, Any], set[str]]:
-    """Writes the later end into run.json and case.toml; what `left` gives from then on."""
+    """Writes the later end into run.json and case.toml, and returns what `existing` gives from then on."""
     now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
     entry = {"from": case.time.end, "to": longer.time.end, "case_hash": case.hash, "started": now}
     changed = {**manifest["case"], "hash": longer.hash, "text": longer.to_toml()}
@@ -64,7 +66,7 @@ def prolong(
 
 
 def _kept(directory: Path, case: Case) -> Case:
-    """The case as it lies in the folder from now on."""
+    """Writes the case into the folder and returns it as read from there."""
     write_text(directory / CASE_FILE, case.to_toml())
     return load(directory / CASE_FILE)
 
@@ -98,7 +100,7 @@ def restored(
 
 
 def _restored(case: Case, checkpoint: Checkpoint, threads: int | None) -> tuple[Simulation | None, str | None]:
-    """The simulation, and what is wrong with the checkpoint, None if nothing is."""
+    """The simulation restored from a checkpoint, and in words what is wrong with that, None if nothing is."""
     from houle.case.build import build
     from houle.flow.simulation import Simulation
 
@@ -131,7 +133,7 @@ def _shape(state: Mapping[str, Any], name: str) -> tuple[int, ...] | None:
 
 
 def problem_of(state: Mapping[str, Any], case: Case) -> str | None:
-    """What cannot be in a state of this case, before anything is computed from it: None if it may be one."""
+    """The reason, in words, why a state cannot be one of this case; None if it can. It only looks at the arrays."""
     grid, size = case.domain.grid, np.array(case.domain.grid.size)
     position, velocity, volume = (np.asarray(state[name]) for name in PARTICLES)
     count, d = len(volume), grid.dimension
@@ -139,7 +141,7 @@ def problem_of(state: Mapping[str, Any], case: Case) -> str | None:
         return "its particles do not agree about their number"
     for name in (*PARTICLES, *ON_CELLS):
         if name in state and not (np.asarray(state[name]).dtype.kind == "f" and np.isfinite(state[name]).all()):
-            return f"{name} holds what is not a number"
+            return f"{name} holds values that are not finite numbers"
     if not ((position >= -1e-9 * size).all() and (position <= (1 + 1e-9) * size).all()):
         return "it has particles outside the domain"
     if not ((volume > 0).all() and volume.sum() <= (1 + 1e-9) * np.prod(size)):

@@ -1,4 +1,4 @@
-"""`houle run` and `houle resume` from the first word to the last file, and the Run they leave."""
+"""`houle run` and `houle resume`, from the first word to the last file, and the Run that they return."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 MOST_THREADS = 1 << 16
-PRICE_ACCURACY = 3.0  # of the guess of the disk space: a run is refused only if a third of it is not there
+PRICE_ACCURACY = 3.0  # a run is refused if the free disk space is less than a third of the estimate
 
 
 def stoppable(action: Callable[P, Run]) -> Callable[P, Run]:
@@ -46,14 +46,15 @@ def run(
     progress: bool = False,
     overrides: Mapping[str, Any] | None = None,
 ) -> Run:
-    """Computes a case and returns what it left.
+    """Computes a case and returns its run.
 
     case       a Case, a file, the name of a shipped case, or a dict of its tables; overrides are
                {"domain.spacing": 0.01}, as in houle.load
     out        the folder to write; if not given runs/<case name>, or runs/<case name>-2 and so on if that holds a run
-    threads    as many cores as this process may use if not given, and never more; the results do not depend on it
+    threads    number of threads; by default, and at most, one for each core that this process may use. The results do
+               not depend on it
     until      stop after the first step that reaches this time [s]; houle.resume goes on
-    progress   say on standard error how far it is, and on standard output at the end where the time went
+    progress   report the progress on standard error, and print the summary on standard output at the end
 
     Raises CaseError (the input is wrong, nothing was written), OutputError (a file could not be written),
     SimulationError (the run failed; DIR/failure says why), houle.running.session.Interrupted (Ctrl-C; a checkpoint was
@@ -103,18 +104,19 @@ def resume(
 ) -> Run:
     """Goes on from the newest good checkpoint of a run folder, bit for bit as if it had not stopped.
 
-    What is lost or damaged beside it is told, written into run.json, and gone on without. A finished run is returned
-    as it is, or goes on past its end to a later `until` [s]. Arguments and errors are otherwise those of run().
+    Other files that are lost or damaged are reported and noted in run.json, and the run goes on without them. A
+    finished run is returned as it is, or goes on past its end to a later `until` [s]. Arguments and errors are
+    otherwise those of run().
     """
     says, directory = reporter(progress), checked_path(directory, "directory")
     says.say(f"houle: reading {directory}")
     from houle.check import rules
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
-    from houle.running.restart import left, prolong, prolonged, restored
+    from houle.running.restart import existing, prolong, prolonged, restored
     from houle.running.session import Clock, Session
 
-    clock, (case, manifest, hashes) = Clock(), left(directory)
+    clock, (case, manifest, hashes) = Clock(), existing(directory)
     check_until(until, None)
     finished = bool(manifest.get("finished"))
     if finished and not (until is not None and until > case.time.end):
@@ -167,7 +169,7 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 
 
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
-    """What is made of a run that has been marched."""
+    """Makes the pictures, the score, the analyses and run.json of a run that has been marched; returns it."""
     from houle.output import write_manifest
     from houle.results import impacts, laboratory, reflection, summary, wave_energy, wave_quality
 
@@ -209,7 +211,7 @@ def draw(run: Run, session: Session) -> None:
 
 
 def new_folder(name: str, out: str | os.PathLike[str] | None) -> Path:
-    """Where a new run goes; nothing is created. Without `out` the first of runs/name, runs/name-2, ... that is free."""
+    """The folder of a new run, not yet created: `out`, or the first of runs/name, runs/name-2, ... that is free."""
     directory = checked_path(Path("runs", name) if out is None else out, "out")
     if out is None:
         number = 2
@@ -241,7 +243,7 @@ def check_place(case: Case, directory: Path) -> None:
 
 
 def check_outputs(case: Case, directory: Path) -> None:
-    """Refuses what would fail hours later: a film without its encoder, a disk that is far too small."""
+    """Refuses a run that would fail hours later: a film without its encoder, a disk that is far too small."""
     from houle.check.cost import price
 
     if case.output.movie and find_spec("imageio_ffmpeg") is None:
@@ -258,7 +260,7 @@ def check_outputs(case: Case, directory: Path) -> None:
 
 
 def usable_threads(threads: int | None, says: Silent) -> int | None:
-    """The number to use: no more than the cores there are for this process, where others would only wait."""
+    """The number of threads to use, None for the default: no more than this process has cores, or they would wait."""
     from houle import _core
     from houle.running.cores import usable
 
@@ -268,7 +270,7 @@ def usable_threads(threads: int | None, says: Silent) -> int | None:
         raise CaseError(
             f"threads = {wanted}: give a whole number from 1 to {MOST_THREADS}, {cores} is best here, or leave it out"
         )
-    asked = threads or _core.get_threads()  # of OMP_NUM_THREADS, or what was set before
+    asked = threads or _core.get_threads()  # the number in OMP_NUM_THREADS, or the one that was set before
     if asked <= cores:
         return threads
     there = os.cpu_count() or cores
@@ -278,7 +280,7 @@ def usable_threads(threads: int | None, says: Silent) -> int | None:
 
 
 def check_until(until: float | None, time: float | None) -> None:
-    """A number, and later than the time [s] at which this stretch begins, if that is known."""
+    """Refuses an `until` that is no number, or not after the start of this stretch at `time` [s], if that is known."""
     if until is not None and (not isinstance(until, Real) or isinstance(until, bool) or until != until):
         raise CaseError(f"until = {until!r} is not a number: give a time [s]")
     if until is not None and time is not None and not until > time:
@@ -286,7 +288,7 @@ def check_until(until: float | None, time: float | None) -> None:
 
 
 def _called(case: Case | str | Path | dict[str, Any]) -> str:
-    """What to call a case before it is read."""
+    """Name of a case before it is read."""
     if isinstance(case, Mapping):
         head = case.get("case")
         return str(head.get("name", "a dict")) if isinstance(head, Mapping) else "a dict"
@@ -294,7 +296,7 @@ def _called(case: Case | str | Path | dict[str, Any]) -> str:
 
 
 def keep_case(case: Case, directory: Path) -> Case:
-    """Makes the folder with case.toml and the files it names, and returns the case that lies there.
+    """Makes the folder with case.toml and copies of the files that it names, and returns the case read from there.
 
     A run needs no other file to be resumed or drawn again, so its folder can be moved.
     """

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from houle.case.model import Case
     from houle.flow.simulation import Simulation
 
-CHECKPOINT_EVERY = 60.0  # s of wall time
-COMMIT_EVERY = 15.0  # s of wall time between two commits of what has been observed
+CHECKPOINT_EVERY = 60.0  # wall time between two checkpoints [s]
+COMMIT_EVERY = 15.0  # wall time between two commits of rows and frames [s]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -46,7 +46,7 @@ class Clock:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Counts what happens inside as part of the stage."""
+        """Counts the time spent inside for this stage."""
         begin = perf_counter()
         try:
             yield
@@ -54,12 +54,12 @@ class Clock:
             self.stages[name] = self.stages.get(name, 0.0) + perf_counter() - begin
 
     def add(self, earlier: Mapping[str, Any]) -> None:
-        """What earlier stretches took, as read() told it."""
+        """Adds the seconds of earlier stretches, as read() gave them."""
         self.wall, self.cpu = self.wall + earlier["wall_seconds"], self.cpu + earlier["cpu_seconds"]
         self.operations, self.stages = earlier["operations"], _sum(self.stages, earlier["stages"])
 
     def read(self, operations: Mapping[str, float]) -> dict[str, Any]:
-        """The totals, given the seconds per operation of this stretch."""
+        """The totals of all stretches; operations: seconds per operation of this one."""
         return {
             "wall_seconds": self.wall + perf_counter(),
             "cpu_seconds": self.cpu + process_time(),
@@ -73,7 +73,7 @@ def _sum(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, floa
 
 
 class Session:
-    """begin() or restore(), then march()."""
+    """A stretch of a run in its folder: begin() or restore(), then march()."""
 
     def __init__(
         self, directory: Path, case: Case, simulation: Simulation, threads: int | None, clock: Clock, says: Silent
@@ -84,20 +84,20 @@ class Session:
         intervals = (case.output.every, case.output.series_every)
         self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case.laboratory))
         self.manifest = {**collect(case.identity, threads), "porous": drag_of(case)}
-        self.newest = Path()  # checkpoint
+        self.newest = Path()  # newest checkpoint
 
     def begin(self) -> Session:
-        """The first rows, frame and checkpoint: from here on the run can be resumed, whatever happens."""
+        """Writes the first row, frame and checkpoint: from here on the run can be resumed, whatever happens."""
         with self.clock.stage("writing"):
             self.recorder.start(self.simulation)
         self.checkpoint()
         return self
 
     def restore(self, checkpoint: Checkpoint, manifest: Mapping[str, Any], hashes: Collection[str]) -> Session:
-        """Files and clock as they were at the checkpoint, from which the simulation has been restored.
+        """Brings files and clock to the checkpoint from which the simulation has been restored.
 
-        manifest: what run.json says of the beginning; hashes: of the case, and as it was before it was prolonged.
-        What the files have lost is told and written down; the run goes on without it.
+        manifest: run.json as it is; hashes: those that the case has, and had before it was prolonged. Rows and frames
+        that the files have lost are reported and noted in run.json; the run goes on without them.
         """
         meta, recorder = checkpoint.meta, self.recorder
         recorder.restore(checkpoint.state)
@@ -117,7 +117,7 @@ class Session:
         return self
 
     def march(self, until: float | None) -> bool:
-        """Steps to the end, or past `until` [s]; True at the end. However it ends, it can be resumed."""
+        """Makes steps to the end of the case, or past `until` [s]; True at the end. It can be resumed in any case."""
         target = min(self.case.time.end, until if until is not None else self.case.time.end)
         self.says.start(self.simulation, target)
         try:
@@ -139,7 +139,7 @@ class Session:
         return self.simulation.time >= self.case.time.end
 
     def step(self) -> None:
-        """One time step and what it leaves to write."""
+        """Makes one time step, and writes the rows and the frame that it completes."""
         try:
             self.simulation.advance(self.recorder.stop)
             with self.clock.stage("gauges, sensors, ledger"):
@@ -152,7 +152,7 @@ class Session:
         self.says.step(self.simulation)
 
     def fail(self, error: Exception) -> NoReturn:
-        """Writes the bundle and raises SimulationError; its message says where the bundle is."""
+        """Writes the failure bundle and raises SimulationError; its message says where the bundle is."""
         failure = as_failure(error, self.simulation.steps + 1, self.simulation.time)
         folder = write_bundle(self.directory, self.simulation.particles, failure, self.newest, self.manifest)
         self.outputs.close()
@@ -161,7 +161,7 @@ class Session:
         raise failure from error
 
     def checkpoint(self, last: bool = False) -> None:
-        """What was handed to the writers is in the files, then the state is; then run.json says how far the run is."""
+        """Commits rows and frames to their files, then saves the state, then writes run.json: in this order."""
         with self.clock.stage("writing"):
             self._checkpoint(last)
 
@@ -181,7 +181,7 @@ class Session:
         write_manifest(self.directory, manifest)
 
     def summarise(self, finished: bool, **more: Any) -> dict[str, Any]:
-        """What run.json holds; `finished` once every file of the run is complete."""
+        """The content of run.json; finished: every file of the run is complete."""
         simulation, last = self.simulation, self.recorder.last.values
         budget = ("kinetic_energy", "potential_energy", *WORKS)
         return summarise(

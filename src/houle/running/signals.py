@@ -1,8 +1,8 @@
 """Signals that ask a run to stop: Ctrl-C, SIGTERM, and SIGHUP, when the terminal closes.
 
-While the water is computed they are noted, and the step is finished; before and after they end what is being done.
-Python handles signals in the main thread; in others nothing here does anything. A SIGHUP that is ignored (nohup) stays
-ignored.
+While steps are made they are noted, and the step is finished; before and after that they interrupt the program.
+Python handles signals in the main thread; in other threads these functions do nothing. A SIGHUP that is ignored (nohup)
+stays ignored.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ WORDS = {"SIGINT": "Ctrl-C", "SIGTERM": "SIGTERM", "SIGHUP": "SIGHUP"}
 
 
 def _wanted() -> dict[int, str]:
-    """Number and word of the signals that are not ignored, those that the system knows."""
+    """Number and name of the signals that the system knows and that are not ignored."""
     numbers = {getattr(signal, name): word for name, word in WORDS.items() if hasattr(signal, name)}
     hangup = getattr(signal, "SIGHUP", None)
     return {n: word for n, word in numbers.items() if not (n == hangup and signal.getsignal(n) == signal.SIG_IGN)}
@@ -25,7 +25,7 @@ def _wanted() -> dict[int, str]:
 
 @contextmanager
 def as_interrupts() -> Iterator[None]:
-    """A signal that would end the process raises KeyboardInterrupt with its name, as Ctrl-C does by itself."""
+    """Inside, a signal that would end the process raises KeyboardInterrupt with its name, as Ctrl-C does by itself."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -45,7 +45,7 @@ def as_interrupts() -> Iterator[None]:
 
 @contextmanager
 def noted() -> Iterator[list[str]]:
-    """A list that gets the reason when one of the signals comes; a second one of its kind acts as before."""
+    """Yields a list that gets the name of a signal when it comes; a second signal of its kind acts as before."""
     reasons: list[str] = []
     if threading.current_thread() is not threading.main_thread():
         yield reasons

@@ -1,11 +1,11 @@
-"""The shipped cases, each with its source, its data and its comparison; and the engine behind `houle validate`.
+"""Validation: the shipped cases, each with its source, data and comparison, and the engine of `houle validate`.
 
 A case is a folder with case.toml, README.md, data/*.csv and compare.py. compare.py has
 
-    compare(run) -> list[Check]      what one run is held against; it reads the case from the run, and so serves a run
-                                     with other values as well
+    compare(run) -> list[Check]      comparison of one run with its targets; it reads the case from the run, and so
+                                     serves a run with other values as well
     VARIANTS: tuple[Variant, ...]    optional: the runs of `houle validate`; left out, the case as it stands
-    across(runs) -> list[Check]      optional: what variants say together, name -> run (order of convergence)
+    across(runs) -> list[Check]      optional: comparison of all variants, name -> run (order of convergence)
 
 To add a case, copy the nearest folder. Targets are the project's, stated before the numbers were measured, and are not
 moved.

@@ -1,4 +1,4 @@
-"""Result of a comparison: one number, the target it is held against, and what others reach on the same case."""
+"""Result of a comparison: one number, its target, and the numbers of other codes for the same case."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ Kind = Literal["max", "min", "range", "report"]
 
 @dataclass(frozen=True)
 class Check:
-    """value [unit] against limit: at most ("max"), at least ("min"), between two ("range"); "report" has no target.
+    """A number and its target: at most `limit` ("max"), at least ("min"), between two ("range"), or none ("report").
 
-    peers: what other codes reach, name -> number or words, in the same unit. A value that is not finite never passes.
+    peers: results of other codes, name -> number or words, in the same unit. A value that is not finite never passes.
     """
 
     name: str

@@ -29,7 +29,7 @@ MARGINS = (0.62, 0.25, 0.8, 0.95)  # inches: left, right, bottom with the key, t
 
 @dataclass(frozen=True)
 class Row:
-    """One block under one wave: what was measured, and linear theory for the wave that arrived."""
+    """One block under one wave: the measurement, and linear theory for the incident wave that was measured."""
 
     variant: str
     wall: bool
@@ -66,14 +66,14 @@ class Row:
 
 
 def write(path: Path, title: str, rows: Sequence[Row]) -> None:
-    """path.csv, path.md and, of the rows with linear drag, path.png."""
+    """Writes path.csv, path.md and, for the rows with linear drag, path.png."""
     tables.save(path, title, HEAD, [row.words for row in rows])
     if linear := [row for row in rows if not row.forchheimer]:
         draw(path.with_name(path.name + ".png"), title, linear)
 
 
 def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
-    """Measured coefficients with their intervals over the friction f, on the curves of theory; a row per porosity."""
+    """Draws measured coefficients with their intervals over the friction f, on curves of theory; a row per porosity."""
     porosities = sorted({row.porosity for row in rows}, reverse=True)
     kinds = [(name, wall) for name, wall in (("C_R", False), ("C_T", False), ("C_R", True)) if _any(rows, name, wall)]
     words = "lines: linear theory  ·  bars: 95 % intervals"
@@ -91,7 +91,7 @@ def draw(path: Path, title: str, rows: Sequence[Row]) -> None:
 
 @cache
 def _theory(period: float, depth: float, width: float, porosity: float, wall: bool) -> list[Scatter]:
-    """At each of FRICTION."""
+    """Linear theory of a block for each of the factors FRICTION."""
     return [porous_block(2 * np.pi / period, depth, width, porosity, f, wall=wall, modes=12) for f in FRICTION]
 
 

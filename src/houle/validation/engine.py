@@ -1,4 +1,4 @@
-"""Runs the shipped cases and sets what they measured beside the targets and the other codes."""
+"""Runs the shipped cases, and compares their results with the targets and with other codes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Once = Callable[[Case, Path], Run]  # makes the run of a case in a folder, goes 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The compare.py of a case."""
+    """The contents of the compare.py of a case: see `houle.validation`."""
 
     compare: Callable[[Run], list[Check]]
     variants: tuple[Variant, ...] = (Variant(),)
@@ -64,13 +64,13 @@ def validate(
     console: Console | None = None,
     variants: Sequence[str] | None = None,
 ) -> int:
-    """Run shipped cases (all, or these), print one table per case, and give the exit status: 1 when a target is missed.
+    """Runs shipped cases (all, or these), prints a table for each, returns the exit status: 1 if a target is missed.
 
     once      computes a variant in a folder, as `houle.running.runner.once` does
     quick     only the variants marked so (minutes instead of the better part of an hour)
-    out       folder that keeps the runs, the tables as CASE.csv and CASE.md, and the pictures of a comparison; what
-              lies there finished is not computed again, what was cut goes on. Without it, a temporary one
-    variants  only those whose names match one of these patterns, as of a shell ("T-1.5-s-*-wall"); "" is the case as
+    out       folder that keeps the runs, the tables as CASE.csv and CASE.md, and the pictures of a comparison. Runs
+              that are finished there are not computed again, interrupted ones go on. By default a temporary folder
+    variants  only those whose names match one of these patterns, as in a shell ("T-1.5-s-*-wall"); "" is the case as
               it stands
     Raises CaseError for an unknown name or pattern, before anything runs. A run that fails is a line of the table.
     """
@@ -107,7 +107,7 @@ def _choose(variants: Sequence[Variant], quick: bool, patterns: Sequence[str] | 
 def _results(
     name: str, compared: Comparison, variants: Sequence[Variant], folder: Path, once: Once, console: Console
 ) -> Iterator[tuple[str, list[Check], float]]:
-    """Label, checks and wall seconds of every variant, then of what they say together."""
+    """Label, checks and wall seconds of every variant, then those of all variants together."""
     runs: dict[str, Run] = {}
     for number, variant in enumerate(variants, start=1):
         start = perf_counter()

@@ -16,10 +16,10 @@ from houle.waves import dispersion
 from houle.waves.dispersion import GRAVITY
 from houle.waves.theories import regular
 
-GAUGES = (0.0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9, 1.0, 1.2, 1.3, 1.5, 1.6, 1.8)  # m after the first, before the structure
-BEHIND = (0.4, 0.5, 0.7, 0.8)  # m after the structure
+GAUGES = (0.0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9, 1.0, 1.2, 1.3, 1.5, 1.6, 1.8)  # places in front, after the first [m]
+BEHIND = (0.4, 0.5, 0.7, 0.8)  # places behind, after the back of the structure [m]
 PER_LENGTH = 5  # gauges of an empty flume in a wavelength
-GAP = 0.5  # m between zone, gauges and structure: the modes that do not travel have died out there
+GAP = 0.5  # distance between zone, gauges and structure [m]: evanescent modes have died out there
 RAMP_SETTLE, PERIODS = 4.0, 5.0  # settling and length of the window, in periods: analysis.choose_window
 
 
@@ -34,11 +34,11 @@ def block(
     echo: bool = False,
     depth: float = 0.25,
 ) -> dict[str, Any]:
-    """A flume with a porous block over the full depth, `body` without its shape; `wall`: right at its end.
+    """A flume with a porous block over the full depth; body: its table without the shape; wall: one right behind it.
 
-    slope  of the front, horizontal per vertical: 0 is upright, 1 is 45 degrees. Half-way down the water the face stays
-    where it is, so that the block holds as much water.
-    echo   run until what the zone sends back is steady, too: for a structure that reflects much
+    slope  horizontal per vertical of the front: 0 is upright, 1 is 45 degrees. Half-way down the water the face stays
+           where it is, so that the block holds as much water.
+    echo   the run goes on until the waves that the zone sends back are steady, for a structure that reflects much
     """
     length, speed = _wave(period, depth)
     zone = _up(1.5 * length)
@@ -86,7 +86,7 @@ def linear(friction: float, period: float, porosity: float) -> dict[str, Any]:
 
 
 def _wave(period: float, depth: float) -> tuple[float, float]:
-    """Length [m] and group velocity [m/s] of linear theory."""
+    """Length [m] and group velocity [m/s] of a wave by linear theory."""
     k = float(wave_number(2 * math.pi / period, depth))
     return 2 * math.pi / k, float(dispersion.group_velocity(k, depth, GRAVITY))
 
@@ -96,7 +96,7 @@ def _round(x: float) -> float:
 
 
 def _up(x: float) -> float:
-    """The next tenth."""
+    """The number rounded up to a tenth."""
     return round(math.ceil(10 * x - 1e-9) / 10, 1)
 
 
@@ -189,7 +189,9 @@ def piston(
 
 
 def _top(depth: float, height: float) -> float:
-    """Height of the tank [m], clear of the highest standing crest; such that still water in 0.25 m of depth does not
-    stand at the middle of a cell with the spacings of the cases (20, 10, 5 mm, fitted to this height).
+    """Height of the tank [m], clear of the highest standing crest.
+
+    With it, still water in 0.25 m of depth does not stand at the middle of a cell for the spacings of the cases (20, 10
+    and 5 mm, fitted to this height).
     """
     return round(0.025 * math.ceil((depth + 1.6 * height + 0.06) / 0.025), 3)

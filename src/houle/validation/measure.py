@@ -1,4 +1,4 @@
-"""Measurements for the comparisons. Everything here takes arrays or xarray objects and knows no case."""
+"""Measurements for the comparisons, of arrays or xarray objects: they know no case."""
 
 from __future__ import annotations
 

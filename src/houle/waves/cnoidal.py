@@ -27,12 +27,12 @@ from numpy.typing import ArrayLike
 from houle.waves import dispersion
 from houle.waves.wave import KINDS, THEORIES, Array, Components, Kind, Theory, Wave, WaveError
 
-RATIOS = (0.9, 50.0)  # K(m)/K(1 - m) that are looked at: m = 0.43 to 1 - 1e-67
-PHASES = 2048  # of a period, for means
+RATIOS = (0.9, 50.0)  # range of K(m)/K(1 - m) that is searched: m = 0.43 to 1 - 1e-67
+PHASES = 2048  # points of a period, for means and harmonics
 
 
 def parameter(ratio: float) -> tuple[float, float, float]:
-    """m, K(m), K(1 - m) of the ratio K(m)/K(1 - m) >= 0.5: theta functions of the complementary nome q.
+    """Parameter m, K(m) and K(1 - m) for a ratio K(m)/K(1 - m) >= 0.5, by theta functions of the complementary nome q.
 
     DLMF 20.9: m = (theta_4/theta_3)^4, K(1-m) = pi/2 theta_3^2. Infinite ratio: m = 1.
     """
@@ -78,7 +78,7 @@ def scale(e: float, m: float) -> float:
     return sqrt(0.75 * r) * (1 + r * (1 / 4 - 7 / 8 * m) + r**2 * (1 / 32 - 11 / 32 * m + 111 / 128 * m**2))
 
 
-def current(delta: float, m: float) -> Array:
+def velocity_terms(delta: float, m: float) -> Array:
     """Coefficients (4, 3) of cn^(2i) (z/h)^(2j) in U/sqrt(g h), Fenton (1999) eq. (A.3)."""
     m2, m3 = m * m, m**3
     first = np.array([[0.5 - m, 0, 0], [m, 0, 0], [0, 0, 0], [0, 0, 0]])
@@ -120,17 +120,22 @@ def polynomial(coefficients: Sequence[Any] | Array, x: Array) -> Array:
 
 
 def integrals(flow: Array, y: Array) -> list[Array]:
-    """The integral from the bed of every row of `flow`, polynomials in y^2, up to y."""
+    """Integrals from the bed up to y = z/h of the rows of `flow`, polynomials in y^2."""
     odd = 2 * np.arange(flow.shape[1]) + 1
     return [y * polynomial(row / odd, y * y) for row in flow]
 
 
 @dataclass(frozen=True, eq=False)  # equal, and one key, if equal as `Wave`
 class Cnoidal(Wave):
-    """ratio = K(m)/K(1 - m), infinite for the solitary wave; trough = h [m]; alpha per trough depth;
+    """A cnoidal wave, or a solitary one as its limit, of order n.
 
-    shape (n,) of the surface: powers cn^2, cn^4, ...; flow (n + 1, n) of the velocity: powers of cn^2 from 0 and of
-    (z/h)^2 from 0, in units of sqrt(g h), added to `drift` [m/s]; n is the order.
+    ratio   K(m)/K(1 - m), infinite for the solitary wave
+    trough  depth h under the trough [m]
+    alpha   wave number of the elliptic functions, per trough depth
+    shape   (n,) coefficients of the surface: powers cn^2, cn^4, ...
+    flow    (n + 1, n) coefficients of the velocity in the frame of the crest, in sqrt(g h): powers of cn^2 from 0 and
+            of (z/h)^2 from 0
+    drift   [m/s] is added to that
     """
 
     ratio: float
@@ -190,7 +195,7 @@ def _wave_of(ratio: float, height: float, depth: float, gravity: float) -> tuple
         if abs(trough - before) < 1e-15 * depth:
             break
     alpha = scale(height / trough, m)
-    p = current(4 / 3 * alpha**2, m)
+    p = velocity_terms(4 / 3 * alpha**2, m)
     flow = float(polynomial(integrals(p, level), c2).mean())
     celerity = -flow * trough / depth * sqrt(gravity * trough)
     return trough, alpha, celerity, 2 * k * trough / alpha
@@ -233,7 +238,7 @@ def cnoidal(height: float, period: float, depth: float, gravity: float, phase: f
         trough=trough,
         alpha=alpha,
         shape=surface(height / trough, m),
-        flow=current(4 / 3 * alpha**2, m),
+        flow=velocity_terms(4 / 3 * alpha**2, m),
         drift=celerity,
     )
 
@@ -248,7 +253,7 @@ SURFACE_5 = (
 )  # rows: powers of e from 1; columns: powers of sech^2 from 1
 SCALE_5 = (1, -5 / 8, 71 / 128, -100627 / 179200, 16259737 / 28672000)
 CELERITY_5 = (1, 1 / 2, -3 / 20, 3 / 56, -309 / 5600, 12237 / 616000)
-CURRENT_5 = (
+VELOCITY_5 = (
     ((-1 / 2,), (1,)),
     ((-19 / 40,), (3 / 2, -3 / 2), (-1, 9 / 4)),
     ((-55 / 112,), (71 / 40, -9 / 4, 3 / 8), (-27 / 10, 75 / 8, -45 / 16), (6 / 5, -15 / 2, 45 / 16)),
@@ -276,16 +281,16 @@ def _fifth(e: float) -> tuple[float, tuple[float, ...], Array, float]:
     shape = tuple(sum(row[j] * e ** (n + 1) for n, row in enumerate(SURFACE_5)) for j in range(5))
     flow = np.zeros((6, 5))
     flow[0, 0] = -1
-    for n, block in enumerate(CURRENT_5):
+    for n, block in enumerate(VELOCITY_5):
         for i, row in enumerate(block):
             flow[i, : len(row)] += (4 / 3 * alpha**2) ** (n + 1) * np.array(row)
     return alpha, shape, flow, sum(c * e**n for n, c in enumerate(CELERITY_5))
 
 
 def _third(e: float) -> tuple[float, tuple[float, ...], Array, float]:
-    """The same of the third-order one."""
+    """alpha, shape, flow and c/sqrt(g d) of the third-order solitary wave."""
     alpha = scale(e, 1.0)
-    return alpha, surface(e, 1.0), current(4 / 3 * alpha**2, 1.0), sqrt(1 + e - e**2 / 20 - 3 * e**3 / 70)
+    return alpha, surface(e, 1.0), velocity_terms(4 / 3 * alpha**2, 1.0), sqrt(1 + e - e**2 / 20 - 3 * e**3 / 70)
 
 
 EDGE = 0.01  # share of the height at which a solitary wave is said to begin and end

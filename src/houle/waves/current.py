@@ -34,7 +34,7 @@ def wave_number(omega: ArrayLike, depth: float, gravity: float, current: float) 
 
 
 def carried(still: Callable[[float], Wave], period: float, depth: float, gravity: float, current: float) -> Wave:
-    """The wave of this period [s], seen from the bed; still(T) gives that of T in water at rest.
+    """The wave of this period [s] on a current, seen from the bed; still(T) gives that of period T in water at rest.
 
     Raises WaveError for a wave that the current stops, and what still() raises.
     """

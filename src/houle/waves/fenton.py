@@ -27,10 +27,10 @@ from houle.waves.wave import THEORIES, Array, Theory, WaveError
 
 ORDERS = (8, 12, 18, 27, 40, 60, 90, 128)  # tried until the last harmonics are negligible
 NEGLIGIBLE = 1e-9  # last harmonic of the surface relative to the height
-CONVERGED = 1e-13
+CONVERGED = 1e-13  # residual of the equations at which Newton's method ends
 ITERATIONS = 25
 LONGER = 1.2  # the most by which steep waves are longer than linear ones
-DEEPEST = 600.0  # N k d, so that cosh(N k d) is a number
+DEEPEST = 600.0  # largest N k d: cosh(N k d) must be a number
 
 
 class NotConverged(WaveError):
@@ -39,7 +39,7 @@ class NotConverged(WaveError):
 
 @dataclass
 class _Solution:
-    """Unknowns of the module's head, in depths and sqrt(g d)."""
+    """The unknowns eta_m, B_j, U (mean), Q (flow), R (head) and k of the text above, in depths and sqrt(g d)."""
 
     eta: Array
     b: Array
@@ -71,6 +71,7 @@ class _Solution:
 
 
 def _linear(height: float, omega: float, order: int) -> _Solution:
+    """The linear wave, with which Newton's method begins."""
     k = float(dispersion.wave_number(omega, 1.0, 1.0))
     c = omega / k
     b = np.zeros(order)
@@ -79,7 +80,7 @@ def _linear(height: float, omega: float, order: int) -> _Solution:
 
 
 def _equations(v: Array, height: float, omega: float) -> tuple[Array, Array]:
-    """Residuals (2N + 5,) and their derivatives by the unknowns."""
+    """Residuals (2N + 5,) of the equations, and their derivatives (2N + 5, 2N + 5) by the unknowns."""
     s = _Solution.unpack(v)
     n, k = len(s.b), s.k
     j, m = np.arange(1, n + 1), np.arange(n + 1)
@@ -136,7 +137,7 @@ def _newton(guess: _Solution, height: float, omega: float) -> _Solution | None:
 
 
 def _climb(height: float, omega: float, order: int) -> _Solution | None:
-    """From a wave low enough for linear theory to the wanted height, in steps that shrink where Newton fails."""
+    """The wave of this height, reached from a low, nearly linear one in steps, shorter ones where Newton fails."""
     k = float(dispersion.wave_number(omega, 1.0, 1.0))
     low = min(height, 0.3 * limits.ursell_height(k), 0.05 * 2 * pi / k)
     now, at = _newton(_linear(low, omega, order), low, omega), low
@@ -155,7 +156,7 @@ def _climb(height: float, omega: float, order: int) -> _Solution | None:
 
 
 def solve(height: float, omega: float) -> _Solution:
-    """The wave of the height (in depths) and angular frequency (in sqrt(g/d)). Raises NotConverged."""
+    """The wave of this height [depths] and angular frequency [sqrt(g/d)]. Raises NotConverged."""
     k = float(dispersion.wave_number(omega, 1.0, 1.0))
     start = min(40, ceil(2.5 * (height / limits.ursell_height(k)) ** 0.5))
     found: _Solution | None = None

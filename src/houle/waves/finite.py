@@ -14,8 +14,8 @@ Wanted are the waves of theory, let grow by s(x) from 0 to 1 over the source in 
 Where s is 0 the water rests, where it is 1 the flow is that of theory and P a constant in space: the force is as wide
 as the source, and the waves that leave it have their bound harmonics and no free ones. To first order, and for an s
 that grows slowly, it is the source of JH2020 (4), (5). Waves to the left are the mirror image; to both sides, the sum
-of both in eta. The flow under a given surface is that of the expansion of Dommermuth & Yue (1987) and West et al.
-(1987), turned round by repeated substitution, on a grid of places x phases of the wave.
+of both in eta. The expansion of Dommermuth & Yue (1987) and West et al. (1987) gives the rise of the surface over a
+known potential. Here the rise is known, and repeated substitution finds the potential, on a grid of places x phases.
 """
 
 from __future__ import annotations
@@ -32,11 +32,14 @@ from houle.waves.wave import Array, Wave, WaveError
 Spectrum = NDArray[np.complex128]
 
 SHARPNESS = 20.0  # beta width^2 of the source (JH2020 (4); Wei, Kirby & Sinha 1999)
-PHASES, POINTS = 48, 48  # of a period; of a wavelength along x
-FLAT, ROOM = 3.0, 8.0  # wavelengths, or widths of the source: of full waves, and of the periodic stretch of water
-ORDER = 7  # of the expansion
+PHASES, POINTS = 48, 48  # points of the grid in a period; in a wavelength along x
+FLAT, WHOLE = (
+    3.0,
+    8.0,
+)  # lengths of full waves, and of the periodic stretch of water: wavelengths, or widths of the source
+ORDER = 7  # order of the expansion
 SHORTEST = 2.5  # largest k eta that is kept: beyond it the expansion diverges
-ITERATIONS, CONVERGED = 200, 1e-6  # of the substitution; what it leaves of d eta/dt, over the largest
+ITERATIONS, CONVERGED = 200, 1e-6  # steps of the substitution; the largest error of d eta/dt that it leaves, relative
 NEGLIGIBLE = 1e-5  # harmonics of the force beside the first
 
 
@@ -83,14 +86,14 @@ class _Water:
         return np.fft.irfft2(spectrum, s=(PHASES, len(self.x)))
 
     def by_t(self, spectrum: Spectrum) -> Spectrum:
-        """tau runs as t does; a mode goes as exp(i n tau)."""
+        """Derivative by t: tau runs as t does, and a mode goes as exp(i n tau)."""
         return 1j * self.omega * self.n * spectrum
 
     def by_y(self, spectrum: Spectrum) -> Spectrum:
         return -1j * self.k_y * self.n * spectrum
 
     def rise(self, phi: Spectrum, powers: list[Array]) -> Array:
-        """W: d phi/dz at the surface, where phi is; powers eta^m / m! for m = 0..ORDER-1."""
+        """W = d phi/dz at the surface for a potential phi there; powers: eta^m / m! for m = 0..ORDER-1."""
         orders, total = [phi], np.zeros_like(powers[0])
         for m in range(ORDER):
             if m:
@@ -99,7 +102,7 @@ class _Water:
         return total
 
     def _sum(self, powers: list[Array], orders: list[Spectrum], first: int) -> Array:
-        """Sum of eta^i / i! times the derivative by z of the order that goes with it."""
+        """Sum over i of eta^i / i! times the i-th derivative by z of the order that goes with it."""
         total = np.zeros_like(powers[0])
         for i, (power, order) in enumerate(zip(powers, orders, strict=False), start=first):
             total += power * self.back(order * self.k**i * (self.tanh if i % 2 else 1.0))
@@ -117,8 +120,8 @@ def potential(wave: Wave, width: float, sides: tuple[bool, bool]) -> Potential:
     cos = float(np.cos(wave.direction))
     k, k_x, k_y = wave.k, wave.k * cos, wave.k * float(np.sin(wave.direction))
     unit = max(width, 2 * pi / k_x)
-    count = 2 * ceil(POINTS * ROOM * unit * k_x / (4 * pi))
-    x = (np.arange(count) / count - 0.5) * ROOM * unit
+    count = 2 * ceil(POINTS * WHOLE * unit * k_x / (4 * pi))
+    x = (np.arange(count) / count - 0.5) * WHOLE * unit
     water = _Water(x, wave.omega, k_y, wave.depth)
     tau = np.arange(PHASES)[:, None] * (2 * pi / PHASES)
     j = np.arange(1, min(len(parts.amplitude), PHASES // 3) + 1)
@@ -132,14 +135,14 @@ def potential(wave: Wave, width: float, sides: tuple[bool, bool]) -> Potential:
     eta = water.to(form) * water.k**2
     water = _Water(x, wave.omega, k_y, wave.depth, highest=float(np.abs(water.back(eta)).max()))
     eta *= water.keep
-    phi, drift = _under(water, eta, one=k_y == 0.0)
+    phi, drift = _under(water, eta, along_x=k_y == 0.0)
     missing = _bernoulli(water, eta, phi, drift, wave.gravity)
     along = np.fft.fft(water.back(missing * water.by_x) + _rate(water, drift)[:, None], axis=0)
     return _harmonics(x, along, np.fft.fft(water.back(missing), axis=0))
 
 
 def _step(x: Array, k: float, width: float) -> Spectrum:
-    """s of the wave number k: that of waves which begin at x = 0, smoothed with the bell of JH2020 (4)."""
+    """The growth s (N,) of waves of wave number k that begin at x = 0, smoothed with the bell of JH2020 (4)."""
     from scipy.special import erf
 
     sharp = np.sqrt(SHARPNESS) / width
@@ -151,10 +154,10 @@ def _mirrored(values: Spectrum) -> Spectrum:
     return np.roll(values[::-1], 1)
 
 
-def _under(water: _Water, eta: Spectrum, one: bool) -> tuple[Spectrum, Array]:
-    """phi at the surface, and with it a uniform current (phases,) along x, such that water without waves is at rest.
+def _under(water: _Water, eta: Spectrum, along_x: bool) -> tuple[Spectrum, Array]:
+    """The potential phi at the surface, and a uniform current (phases,) along x such that water without waves rests.
 
-    one: waves along x only; else the current is the mean over the crests.
+    along_x: all waves go along x, and each phase has its current; else all have the mean over the crests.
     """
     surface, rate = water.back(eta), water.back(water.by_t(eta))
     slope_x, slope_y = water.back(water.by_x * eta), water.back(water.by_y(eta))
@@ -166,7 +169,7 @@ def _under(water: _Water, eta: Spectrum, one: bool) -> tuple[Spectrum, Array]:
     for _ in range(ITERATIONS):
         speed_x, speed_y = water.back(water.by_x * phi), water.back(water.by_y(phi))
         drift = -speed_x[:, quiet].mean(axis=1)
-        drift = drift if one else np.full(PHASES, drift.mean())
+        drift = drift if along_x else np.full(PHASES, drift.mean())
         rest = rate + (speed_x + drift[:, None]) * slope_x + speed_y * slope_y - water.rise(phi, powers) * steep
         left = water.to(rest)
         phi = phi + left * water.inverse
@@ -182,7 +185,7 @@ def _under(water: _Water, eta: Spectrum, one: bool) -> tuple[Spectrum, Array]:
 
 
 def _bernoulli(water: _Water, eta: Spectrum, phi: Spectrum, drift: Array, gravity: float) -> Spectrum:
-    """P, less the part of the current that changes in time."""
+    """The potential P of the force, less the share of the current that changes in time (`_rate`)."""
     slope_x, slope_y = water.back(water.by_x * eta), water.back(water.by_y(eta))
     speed_x, speed_y = water.back(water.by_x * phi) + drift[:, None], water.back(water.by_y(phi))
     steep = 1 + slope_x**2 + slope_y**2
@@ -191,6 +194,7 @@ def _bernoulli(water: _Water, eta: Spectrum, phi: Spectrum, drift: Array, gravit
 
 
 def _rate(water: _Water, drift: Array) -> Array:
+    """Change in time (phases,) of the current along x."""
     return np.asarray(np.fft.ifft(1j * water.omega * water.n[:, 0] * np.fft.fft(drift)).real)
 
 

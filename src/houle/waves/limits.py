@@ -1,4 +1,4 @@
-"""How high a wave can be, and the numbers that say which theory carries it."""
+"""The highest wave that there can be, and the numbers that tell which theory holds for a wave."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def ursell(height: float, length: float, depth: float) -> float:
 
 
 def ursell_height(k: float) -> float:
-    """Height in depths at which a wave of wave number k [per depth] has the Ursell number 26 (k d < 1.5)."""
+    """Height [depths] of a wave of wave number k [rad per depth] whose Ursell number is 26; k counts as 3 at most."""
     return 26 * min(k, 3.0) ** 2 / (4 * pi**2)
 
 
@@ -38,7 +38,7 @@ def williams(length: float, depth: float) -> float:
 
 @dataclass(frozen=True)
 class Limits:
-    """kh, H/L and Ursell number [-]; highest wave by each criterion [m]; share of the lowest of them used [-]."""
+    """kh, H/L, Ursell number [-] of a wave; highest wave by each criterion [m]; the height over the lowest [-]."""
 
     kh: float
     steepness: float
@@ -55,7 +55,7 @@ class Limits:
 
 
 def limits(height: float, length: float, depth: float) -> Limits:
-    """All of them for a wave of this height, length and depth [m]."""
+    """The limits of a wave of this height and length in water of this depth [m]."""
     highest = miche(length, depth), mccowan(depth), williams(length, depth)
     return Limits(
         2 * pi * depth / length, height / length, ursell(height, length, depth), *highest, height / min(highest)

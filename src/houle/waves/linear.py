@@ -39,7 +39,7 @@ def profiles(k: Array, z: Array, depth: float) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Linear(Wave):
-    """A sum of Airy waves; `parts` holds them, `highest` the crest that is reckoned with [m]."""
+    """A sum of Airy waves, its components `parts`; no crest is expected to pass the level `highest` [m]."""
 
     parts: Components
     highest: float
@@ -56,7 +56,7 @@ class Linear(Wave):
         highest: float,
         current: float,
     ) -> Linear:
-        """The sum of these parts in one direction; length and speeds are of the period [s] on the current [m/s]."""
+        """The sum of these components; length and speeds are those of the period [s] on the current [m/s]."""
         k = float(dispersion.wave_number(2 * np.pi / period, depth, gravity, current))
         return cls(
             name=name,
@@ -126,12 +126,12 @@ class Linear(Wave):
 
 
 def _product(columns: Array, levels: Array) -> Array:
-    """(nx, N), (nz, N) -> (nx, nz), without BLAS, whose threads spin."""
+    """Product (nx, N), (nz, N) -> (nx, nz), without BLAS: its threads would wait in a loop."""
     return np.einsum("xj,zj->xz", columns, levels, optimize=False)
 
 
 def airy(height: float, period: float, depth: float, gravity: float, phase: float, direction: float) -> Linear:
-    """One linear wave."""
+    """The linear wave of this height [m] and period [s]."""
     omega = np.array([2 * np.pi / period])
     k = dispersion.wave_number(omega, depth, gravity)
     return Linear(

@@ -23,14 +23,14 @@ from houle.waves.dispersion import wave_number
 from houle.waves.wave import Array, Components, Wave, WaveError, ramp
 
 Complex = NDArray[np.complex128]
-MODES = 60  # that stay near the piston: the double harmonic has converged to half a per cent of itself
+MODES = 60  # modes that stay near the piston: with so many the double harmonic is within half a per cent
 FEW = 4  # components up to which a motion is a sum of harmonics, not a spectrum
 RETURN = 10.0  # periods in which a wall that has given way comes back to rest
-LONG_PERIOD = 40.0  # sqrt(d/g): the longest that counts for this
+LONG_PERIOD = 40.0  # longest period that counts for this [sqrt(d/g)]
 LONGEST = 1e-3  # kd of long waves
-TIMES = 2000  # at which the way of a record is looked at
-NODES = 12  # over the depth, for the mean velocity
-LAYERS = 40  # over the depth, in which the pressure of a steady wave is read
+TIMES = 2000  # instants at which the reach of a motion with a mean is looked for
+NODES = 12  # points over the depth for the mean velocity
+LAYERS = 40  # layers over the depth in which the pressure of a steady wave is read
 LONG = 8 * pi**2 / 3  # H L^2 / d^3 from which on second order is not enough (Madsen 1971, J. Geophys. Res. 76, 8672)
 
 
@@ -41,7 +41,7 @@ def biesel(kd: ArrayLike) -> Array:
 
 
 def modes(omega: float, depth: float, gravity: float, count: int = MODES) -> Complex:
-    """k_0 and the k_j [rad/m] that stay near the piston."""
+    """Wave numbers [rad/m] of the modes: k_0, which travels, and `count` k_j, which stay near the piston."""
     nu = omega**2 * depth / gravity  # = -y tan y, with y in ((j - 1/2) pi, j pi)
     j = np.arange(1, count + 1)
     y = j * pi - np.arctan(nu / (j * pi))
@@ -58,10 +58,15 @@ def response(k: Complex, depth: float) -> Complex:
 
 @dataclass(frozen=True)
 class Motion:
-    """Displacement of a piston as harmonics, Re{sum amplitude e^(i omega t)}; what is read from the water at its face.
+    """Displacement of a piston as harmonics, Re{sum amplitude e^(i omega t)}, and its reading of its own wave.
 
-    amplitude  [m] complex, order: 1 or 2, by which power of the ramp each grows
-    reading    complex [m], of `Reading` when only the wave that is sent out is there
+    amplitude  complex amplitudes [m]
+    order      1 or 2: the power of the ramp with which each harmonic grows
+    reading    complex amplitudes of `Reading` [m] when only the wave that is sent out is there
+    duration   time in which the wave grows [s]
+    drift      velocity [m/s] with which the piston goes along with the mean of a record, a long wave: with the slow
+               harmonics it rests before and after
+    mean       reading of that long wave [m]
     """
 
     omega: Array
@@ -69,11 +74,11 @@ class Motion:
     order: NDArray[np.int64]
     reading: Complex
     duration: float
-    drift: float = 0.0  # [m/s]: of the mean of a record, a long wave; with the slow harmonics it rests before and after
-    mean: float = 0.0  # [m], read of that
+    drift: float = 0.0
+    mean: float = 0.0
 
     def displacement(self, t: float) -> float:
-        """[m] from rest."""
+        """Displacement from rest [m] at time t [s]."""
         return self._sum(self.amplitude, t) + float(ramp(t, self.duration)) * self.drift * t
 
     def way(self, t: float, dt: float, offset: float) -> float:
@@ -92,9 +97,10 @@ class Motion:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """How far it goes [m]: few harmonics, their sum; a spectrum, what 1 in 3000 waves goes beyond, 2 Hs / 2.
+        """Furthest displacements [m] from rest, to the left and to the right.
 
-        A record with a mean, which it goes along with: its way until the record comes again.
+        For few harmonics it is their sum, for a spectrum that which 1 in 3000 waves exceeds, 2 Hs / 2. A piston that
+        goes along with the mean of a record is followed until the record comes again.
         """
         if self.drift:
             times = np.linspace(0.0, 2 * pi / float(np.diff(self.omega).min()), TIMES)
@@ -107,7 +113,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Reading:
-    """The travelling wave in the pressure on a wall: its part that goes as cosh k z, at which no other mode counts.
+    """Reads the travelling wave from the pressure on a wall: the part that goes as cosh k z, in which no other mode is.
 
     The modes of one frequency are orthogonal over the depth, so what stays near the wall leaves no trace: unlike in the
     level at the wall, to which the wall's own acceleration adds. (Absorption from forces: Salter 1981.)
@@ -124,7 +130,7 @@ class Reading:
         return inside * shape / np.sum(inside * shape**2) * np.cosh(self.k * self.depth)
 
     def of_modes(self, k: Complex) -> Complex:
-        """Reading per elevation of each mode: 1 of its own, 0 of the others of its frequency."""
+        """Reading per elevation of each mode: 1 for the travelling one, 0 for the others of its frequency."""
         K, d = self.k, self.depth
         square = d / 2 + np.sinh(2 * K * d) / (4 * K)
         return overlap(k, K, d) * np.cosh(K * d) / square
@@ -165,7 +171,7 @@ def overlap(a: ArrayLike, b: complex, depth: float) -> Complex:
 
 
 def second_order(motion: Motion, depth: float, gravity: float, read: Reading) -> Motion:
-    """With the double harmonic of its only component, and what it then reads of its own wave at twice the frequency."""
+    """The motion of one component with its double harmonic, and the reading of its own wave at both frequencies."""
     omega, first = float(motion.omega[0]), complex(motion.amplitude[0])
     second, reading = double_harmonic(omega, first, depth, gravity, read)
     return Motion(
@@ -182,23 +188,23 @@ def double_harmonic(
 ) -> tuple[complex, complex]:
     """Displacement [m] at 2 omega that a piston needs beside `first` at omega to send out no free second harmonic.
 
-    And what it reads at 2 omega: phi_2 = bound waves, one for each pair of modes, and free ones that stay near the
-    piston and close the balance at its face, phi_2,x = X_2' - X_1 phi_1,xx; pressure -phi_2,t - |grad phi_1|^2 / 2 and
-    what the first order changes over X_1.
+    The second number is its reading at 2 omega [m]. phi_2 is the sum of bound waves, one for each pair of modes, and
+    of free ones that stay near the piston and close the balance at its face, phi_2,x = X_2' - X_1 phi_1,xx. What is
+    read is the pressure, -phi_2,t - |grad phi_1|^2 / 2 and the change of that of first order over X_1.
     """
     k = modes(omega, depth, gravity, count)
-    b = -gravity / omega * first * response(k, depth)  # of phi_1
+    b = -gravity / omega * first * response(k, depth)  # amplitudes of phi_1
     free = modes(2 * omega, depth, gravity, count)
     kj, kl = k[:, None], k[None, :]
     force = 1j * omega * np.outer(b, b) * (kj * kl + (kj**2 + kl**2) / 4 - 1.5 * omega**4 / gravity**2)
     both = kj + kl
     bound = force / (gravity * both * np.tanh(both * depth) - 4 * omega**2)
 
-    def face(mode: complex) -> complex:  # what bound waves and the first order let through, seen by a mode
+    def face(mode: complex) -> complex:  # flux of bound waves and first order at the face, over a mode
         through = 1j * np.sum(both * bound * overlap(both, mode, depth))
         return complex(through + 0.5 * first * np.sum(k**2 * b * overlap(k, mode, depth)))
 
-    area = np.sinh(free * depth) / free  # of a mode, int cosh
+    area = np.sinh(free * depth) / free  # int cosh over the depth, for each mode
     second = 0.5j / omega * face(free[0]) / area[0]
     square = depth / 2 + np.sinh(2 * free * depth) / (4 * free)
     left = np.array([2j * omega * second * a + face(f) for a, f in zip(area[1:], free[1:], strict=True)])
@@ -212,7 +218,7 @@ def double_harmonic(
 
 
 def linear_motion(parts: Components, depth: float, gravity: float, x: float, read: Reading, duration: float) -> Motion:
-    """First order, each component by itself; its crests pass x as those of the components would.
+    """The motion to first order, each component by itself; its crests pass x as those of the components would.
 
     The mean of a record is a long wave, with which the piston goes.
     """
@@ -233,13 +239,13 @@ def linear_motion(parts: Components, depth: float, gravity: float, x: float, rea
 
 
 class Law(Protocol):
-    """How a piston is to move, and what it then reads of its own wave."""
+    """The law by which a piston moves, and the reading of its own wave."""
 
     def way(self, t: float, dt: float, offset: float) -> float:
-        """From t to t + dt [m], from this offset from rest [m]."""
+        """Way of the piston [m] from t to t + dt [s], when it stands at this offset from rest [m]."""
 
     def expected(self, t: float, offset: float, read: Reading) -> float:
-        """What `read` finds on its face when nothing comes back [m]."""
+        """The reading [m] on its face when no wave comes back."""
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -247,12 +253,12 @@ class Law(Protocol):
 
     @property
     def theory(self) -> str:
-        """In words."""
+        """The theory in words."""
 
 
 @dataclass(frozen=True)
 class Follower:
-    """Goring (1979): dX/dt = mean over the depth of the water's velocity in the wave at X."""
+    """A piston at X that goes with the water, dX/dt = mean velocity over the depth in the wave at X (Goring 1979)."""
 
     wave: Wave
     rest: float
@@ -268,12 +274,12 @@ class Follower:
         return float(self.wave.flux(x, t, NODES)[0]) / level * float(ramp(t, self.duration))
 
     def way(self, t: float, dt: float, offset: float) -> float:
-        """By the midpoint rule: a time step is a hundredth of a period and less."""
+        """Way of the piston [m] by the midpoint rule: a time step is a hundredth of a period and less."""
         middle = offset + dt / 2 * self.speed(t, offset)
         return dt * self.speed(t + dt / 2, middle)
 
     def expected(self, t: float, offset: float, read: Reading) -> float:
-        """From the pressure of the steady wave, by Bernoulli's law in the frame that runs with it."""
+        """Reading of its own wave [m]: the pressure by Bernoulli's law in the frame that runs with the wave."""
         w, z = self.wave, (np.arange(LAYERS) + 0.5) * (self.wave.depth / LAYERS)
         x = np.array([self.rest + offset])
         eta = float(w.elevation(x, t)[0])
@@ -284,7 +290,7 @@ class Follower:
 
     @cached_property
     def reach(self) -> tuple[float, float]:
-        """Found by moving it."""
+        """Furthest offsets from rest [m], to the left and to the right, found by moving it."""
         end = 3 * self.wave.period + self.duration
         if self.wave.components() is None:  # a single wave: until its tail has passed
             end = 3 * self.wave.length / self.wave.celerity
@@ -296,7 +302,7 @@ class Follower:
 
 
 def law_of(wave: Wave, rest: float, read: Reading, duration: float, *, regular: bool) -> Law:
-    """How a piston at rest at x = `rest` [m] moves that makes a wave. Raises WaveError for waves that it cannot make.
+    """The law of a piston, at rest at x = `rest` [m], that makes a wave. Raises WaveError for one that it cannot make.
 
     Long regular waves and single ones by following the water, other regular waves to second order, the rest to first.
 
@@ -316,7 +322,7 @@ def law_of(wave: Wave, rest: float, read: Reading, duration: float, *, regular: 
 
 
 def reading_of(wave: Wave | None, depth: float, gravity: float, period: float | None = None) -> Reading:
-    """For waves of a period; without one that of the wave, of its peak; for a single wave or none, long waves."""
+    """The reading for waves of a period [s]: by default that of the wave; for a single wave or none, of long waves."""
     if period is None and wave is not None and wave.components() is not None:
         period = wave.period
     k = float(wave_number(2 * pi / period, depth, gravity)) if period is not None else LONGEST / depth

@@ -2,8 +2,8 @@
 
 The record is led back to still water on both sides by half cosines (nothing between its first and last time is
 changed), followed by two durations of rest, and made into Fourier components, each of which travels by linear
-dispersion. Very long components are welcome: k d -> 0 is the long wave with u = sqrt(g/d) times the elevation, and the
-mean is one of them, so that the water is at rest before and after the event. Components that do not matter are left out
+dispersion. Very long components are kept: k d -> 0 is the long wave with u = sqrt(g/d) times the elevation, and the
+mean is one of them, so that the water is at rest before and after the event. The smallest components are left out
 (`tolerance`).
 """
 
@@ -16,9 +16,9 @@ from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import KINDS, Array, Components, Kind, WaveError
 
-LEAD = 0.15  # of the duration, on each side
+LEAD = 0.15  # share of the duration over which the record is led back to 0, on each side
 REST = 2.0  # durations of still water after it, before the Fourier series begins again
-SHORT = 10  # per cent of the steps of an uneven record are no longer than those that it is interpolated on
+SHORT = 10  # percentile of the steps of an uneven record that is the step on which it is interpolated
 TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
 
 
@@ -34,8 +34,8 @@ def series(
 ) -> Linear:
     """The wave whose elevation at x = `place` [m] is the record: times (N,) rising [s], elevations (N,) [m].
 
-    Even spacing is kept, uneven is interpolated linearly on a step that few are shorter than. height is its highest
-    minus its lowest level, period that of the most energetic component.
+    Evenly spaced times are kept; uneven ones are interpolated linearly on a step that few of theirs are shorter than.
+    The height of the wave is the highest minus the lowest level, its period that of the largest component.
     """
     if not -depth < eta.min() <= eta.max() < 2 * depth:
         raise WaveError(
@@ -61,7 +61,7 @@ def series(
 
 
 def _padded(time: Array, eta: Array) -> tuple[Array, Array, float]:
-    """Even times, samples led back to 0 on both sides, and the step."""
+    """Evenly spaced times [s], the samples led back to 0 on both sides [m], and the step [s]."""
     steps = np.diff(time)
     dt = float(time[-1] - time[0]) / (len(time) - 1)
     if np.ptp(steps) > 1e-6 * dt:

@@ -3,9 +3,9 @@
 Spectra [m2/Hz], every one scaled so that the discrete components have the wanted Hm0 = 4 sqrt(m0) exactly:
 
     pierson-moskowitz   f^-5 exp(-5/4 (f/fp)^-4)                              Pierson & Moskowitz (1964)
-    jonswap             that, times gamma^exp(-(f/fp - 1)^2 / 2 sigma^2), sigma = 0.07 below fp, 0.09 above
+    jonswap             the former times gamma^exp(-(f/fp - 1)^2 / 2 sigma^2), sigma = 0.07 below fp, 0.09 above
                                                                               Hasselmann et al. (1973)
-    tma                 that, times tanh^2(kd)/(1 + 2kd/sinh 2kd), the depth function of Kitaigorodskii et al. (1975)
+    tma                 jonswap times tanh^2(kd)/(1 + 2kd/sinh 2kd), the depth function of Kitaigorodskii et al. (1975)
                                                                               Bouws et al. (1985), J. Geophys. Res. 90
 
 The band 0.5 fp to 3.5 fp is cut into equal cells (the tail above holds 0.8 % of the energy of Pierson-Moskowitz); each
@@ -24,32 +24,32 @@ from houle.waves.current import wave_number
 from houle.waves.linear import Linear
 from houle.waves.wave import GAMMA, KINDS, Array, Components, Kind
 
-BAND = (0.5, 3.5)  # of the peak frequency
-COUNT = 200
+BAND = (0.5, 3.5)  # frequencies of the components, in peak frequencies
+COUNT = 200  # components
 SUB = 32  # points of the spectrum in a cell
-HIGHEST = 1.86  # highest wave of 1000 over Hm0 (Rayleigh); crests of half of it and a bit are reckoned with
+HIGHEST = 1.86  # highest wave of 1000 over Hm0 (Rayleigh); no crest is expected above 0.6 of it
 
 
 def pierson_moskowitz(f: Array, peak: float) -> Array:
-    """Shape of the spectrum at f [Hz], 1/Hz^5."""
+    """Spectrum of Pierson and Moskowitz at f [Hz], to a factor [1/Hz^5]."""
     return f**-5.0 * np.exp(-1.25 * (f / peak) ** -4.0)
 
 
 def jonswap(f: Array, peak: float, gamma: float) -> Array:
-    """The same with the peak raised gamma times."""
+    """JONSWAP spectrum at f [Hz], to a factor: that of Pierson and Moskowitz with its peak raised gamma times."""
     sigma = np.where(f <= peak, 0.07, 0.09)
     return pierson_moskowitz(f, peak) * gamma ** np.exp(-(((f / peak - 1) / sigma) ** 2) / 2)
 
 
 def tma(f: Array, peak: float, gamma: float, depth: float, gravity: float) -> Array:
-    """JONSWAP in finite depth [m]."""
+    """TMA spectrum at f [Hz], to a factor: JONSWAP in water of this depth [m]."""
     kd = dispersion.wave_number(2 * np.pi * f, depth, gravity) * depth
     x = np.minimum(2 * kd, 700.0)
     return jonswap(f, peak, gamma) * np.tanh(kd) ** 2 / (1 + x / np.sinh(x))
 
 
 def shape(kind: str, f: Array, peak: float, gamma: float, depth: float, gravity: float) -> Array:
-    """The spectrum named in the case file, to a factor."""
+    """The spectrum of this name in the case file at f [Hz], to a factor."""
     if kind == "pierson-moskowitz":
         return pierson_moskowitz(f, peak)
     return tma(f, peak, gamma, depth, gravity) if kind == "tma" else jonswap(f, peak, gamma)
@@ -66,7 +66,7 @@ class Cells:
 def cells(
     kind: str, period: float, gamma: float, depth: float, gravity: float, count: int, draw: np.random.Generator
 ) -> Cells:
-    """The band cut into `count` cells; the frequencies are the first numbers drawn."""
+    """The components of a spectrum, one in each of `count` cells of the band; their frequencies are drawn first."""
     edges = np.linspace(*BAND, count + 1) / period
     width = edges[1] - edges[0]
     inside = edges[:-1, None] + (np.arange(SUB) + 0.5) / SUB * width
@@ -140,7 +140,7 @@ KINDS.add(
 KINDS.add(
     Kind(
         "pierson-moskowitz",
-        "The same, fully grown sea: gamma = 1.",
+        "Random sea, linear, fully grown: JONSWAP with gamma = 1.",
         "deep water",
         "Pierson & Moskowitz (1964)",
         needs=("height", "period"),
@@ -151,7 +151,7 @@ KINDS.add(
 KINDS.add(
     Kind(
         "tma",
-        "JONSWAP in finite depth.",
+        "Random sea, linear: JONSWAP in finite depth.",
         "Hm0/d below 0.4",
         "Bouws et al. (1985)",
         needs=("height", "period"),

@@ -1,4 +1,4 @@
-"""Steady periodic waves as a Fourier series: what Stokes and stream function theory end in.
+"""Steady periodic waves as a Fourier series, the form in which Stokes and stream function theory give them.
 
     elevation = sum E_j cos(j theta)                          theta = k (x - c t) + phase
     u = U + sum C_j cosh(j k z) cos(j theta)    w = sum C_j sinh(j k z) sin(j theta)
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from houle.waves.wave import Array, Components, Wave
 
-PHASES = 512  # of a period, for the mean mass flux; exact for 255 harmonics
+PHASES = 512  # points of a period over which the mass flux is averaged: exact for 255 harmonics
 
 
 def transport(k: float, depth: float, elevation: Array, velocity: Array) -> float:
@@ -31,7 +31,7 @@ def transport(k: float, depth: float, elevation: Array, velocity: Array) -> floa
 
 @dataclass(frozen=True, eq=False)  # equal, and one key, if equal as `Wave`
 class Steady(Wave):
-    """E_j [m] and C_j [m/s] from j = 1, U [m/s]."""
+    """A steady wave: heights E_j [m] and speeds C_j [m/s] (N,) from j = 1, current U [m/s]."""
 
     heights: Array
     speeds: Array

@@ -86,10 +86,10 @@ def stokes(
 
 URSELL = {"stokes-2": 10.0, "stokes-3": 20.0, "stokes-4": 30.0, "stokes-5": 40.0}  # Fenton (1985, 1990): 40 for order 5
 WORDS = (
-    "Power series in kH/2, closed flume.",
-    "The same to third order.",
-    "The same to fourth order.",
-    "The same to fifth order.",
+    "Power series in kH/2 to second order, closed flume.",
+    "Power series in kH/2 to third order, closed flume.",
+    "Power series in kH/2 to fourth order, closed flume.",
+    "Power series in kH/2 to fifth order, closed flume.",
 )
 for order, (name, words) in enumerate(zip(URSELL, WORDS, strict=True), start=2):
     holds = f"Ursell number below {URSELL[name]:g}"

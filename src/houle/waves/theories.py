@@ -13,7 +13,7 @@ from houle.waves.limits import miche, ursell, williams
 from houle.waves.stokes import second_harmonic
 from houle.waves.wave import KINDS, THEORIES, Kind, Theory, Wave, WaveError
 
-LOW = 0.6  # share of the highest wave below which a wave that has no Fourier series is too long, not too high
+LOW = 0.6  # share of the highest wave: a lower wave for which no Fourier series is found is too long, not too high
 FLAT = 0.01  # second harmonic over height up to which a wave is linear
 
 
@@ -51,7 +51,7 @@ def _length(period: float, depth: float, gravity: float) -> float:
 
 
 def choose(height: float, period: float, depth: float, gravity: float) -> tuple[str, str]:
-    """Theory and the reason for it, one sentence. Raises WaveError for a wave that breaks."""
+    """The theory for a regular wave, "airy" or "fenton", and the reason. Raises WaveError for one that breaks."""
     length = _length(period, depth, gravity)
     highest = williams(1.1 * length, depth)  # steep waves are up to a tenth longer
     if height > highest:

@@ -1,4 +1,4 @@
-"""What every wave can say about itself: x along the direction of travel, z upwards from the BED, crest at x = t = 0.
+"""The interface of all waves: x along the direction of travel, z upwards from the BED, a crest at x = 0, t = 0.
 
 A theory is a class that fills `Wave` and writes `elevation`, `velocity` and `velocity_on`. To add one, write its module
 in this folder, with its row of `THEORIES` at the end, as in cnoidal.py: the case file, `houle describe theories` and
@@ -19,7 +19,7 @@ from houle.errors import CaseError
 from houle.registry import Choices
 
 Array = NDArray[np.float64]
-GAMMA = 3.3
+GAMMA = 3.3  # peak enhancement of the JONSWAP spectrum when none is given
 
 
 class WaveError(CaseError):
@@ -41,34 +41,34 @@ class Components:
 
     @property
     def first(self) -> Components:
-        """The first of them alone."""
+        """The first component alone."""
         return Components(*(part[:1] for part in (self.amplitude, self.omega, self.k, self.phase, self.direction)))
 
     def chosen(self, which: NDArray[np.bool_]) -> Components:
-        """Some of them."""
+        """The components for which `which` (N,) is true."""
         parts = (self.amplitude, self.omega, self.k, self.phase, self.direction)
         return self if which.all() else Components(*(part[which] for part in parts))
 
     @property
     def moving(self) -> Components:
-        """Those that go up and down: without the mean."""
+        """The components that go up and down: all but the mean, whose omega is 0."""
         return self.chosen(self.omega > 0)
 
     @property
     def mean(self) -> float:
-        """Level about which they go up and down [m]."""
+        """Level about which the surface goes up and down [m], above still water."""
         still = self.omega == 0
         return float(np.sum(self.amplitude[still] * np.cos(self.phase[still])))
 
     @property
     def energy_period(self) -> float:
-        """T_m-1,0 = m_-1/m_0 of what goes up and down [s]."""
+        """Energy period T_m-1,0 = m_-1/m_0 [s]; the mean does not count."""
         parts = self.moving
         energy = parts.amplitude**2
         return float(2 * pi * np.sum(energy / parts.omega) / np.sum(energy))
 
     def elevation(self, x: ArrayLike, t: ArrayLike, y: ArrayLike = 0.0) -> Array:
-        """The sum [m] at x, y [m] and t [s], broadcast against each other."""
+        """Elevation [m] at x, y [m] and t [s], broadcast against each other."""
         x, y, t = (np.asarray(v, dtype=float)[..., None] for v in (x, y, t))
         along = x * np.cos(self.direction) + y * np.sin(self.direction)
         return (self.amplitude * np.cos(self.k * along - self.omega * t + self.phase)).sum(-1)
@@ -83,8 +83,9 @@ class Wave(ABC):
     period     [s] (peak period of a spectrum; time in which a solitary wave passes)
     length     [m] of the wave of that period      depth      still water depth [m]
     celerity   speed of the crests [m/s] in the flume     gravity    [m/s2]
+    group_velocity  speed of the energy [m/s]
     phase      [rad] added to k x - omega t
-    direction  [rad] of travel from the x axis, for those who place it in 3D: x here is x cos + y sin there
+    direction  [rad] of travel, from the x axis of a tank in 3D: x of the wave is x cos + y sin of the tank
     """
 
     name: str
@@ -124,18 +125,18 @@ class Wave(ABC):
 
     @abstractmethod
     def velocity_on(self, x: ArrayLike, z: ArrayLike, t: float) -> tuple[Array, Array]:
-        """(u, w), each (len(x), len(z)), on the columns x (nx,) and levels z (nz,): what a grid wants, much faster."""
+        """(u, w) [m/s], each (nx, nz), on columns x (nx,) and levels z (nz,): for a grid this is much faster."""
 
     def along_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
-        """u alone of `velocity_on`."""
+        """The horizontal velocity u alone, as in `velocity_on`."""
         return self.velocity_on(x, z, t)[0]
 
     def up_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
-        """w alone of `velocity_on`."""
+        """The vertical velocity w alone, as in `velocity_on`."""
         return self.velocity_on(x, z, t)[1]
 
     def components(self) -> Components | None:
-        """The elevation as a sum of cosines; None if it is none (solitary wave)."""
+        """The elevation as a sum of cosines; None for a wave that has no period (solitary)."""
         return None
 
     def flux(self, x: ArrayLike, t: float, nodes: int = 24) -> Array:
@@ -159,9 +160,9 @@ class Theory:
 
     make    (height, period, depth, gravity, phase, direction) -> Wave of a regular wave; of a single one
             (height, depth, gravity, crest, direction) -> Wave with its crest at x = `crest` [m] at t = 0; None: it
-            stands for others
-    single  whether its wave is one crest alone
-    place   in lists: lower ones first
+            chooses among the others
+    single  true: its wave is one crest alone
+    place   number by which lists are sorted
     """
 
     name: str
@@ -175,7 +176,7 @@ class Theory:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of waves that a case can have; needs, takes: the keys of [waves] that it must and that it can be given."""
+    """A kind of waves that a case can have; needs, takes: keys of [waves] that it must have and that it may have."""
 
     name: str
     what: str

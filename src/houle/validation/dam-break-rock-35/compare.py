@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from houle.results.run import Run
 
 POINTS = laboratory.read(Path(__file__).parent / "data" / "surface.csv")
-INSTANT, LIFTED = 10.8, 10.0  # mm, targets without and with the gate as a plate
+INSTANT, LIFTED = 10.8, 10.0  # targets without and with the gate as a plate [mm]
 PEERS = {"olaFlow": "10.8", "REEF3D": "7.7-16.5 per profile"}
 LEE, WIDTH = 0.59, 0.892  # m
 EDGES = np.linspace(0.0, WIDTH, 90)  # edges of columns of 10 mm [m]
@@ -44,7 +44,7 @@ VARIANTS = (
 
 
 def compare(run: Run) -> list[Check]:
-    """Judged at the spacings that the targets name, with the coefficients of the case; else, and jh2020's, reported."""
+    """Checks of one run. Targets hold for the coefficients of the case, at the spacings named; else it is a report."""
     score = laboratory.score(POINTS, run.surface)
     assert score is not None
     found = [report(f"rms at {t:g} s", 1e3 * e, "mm") for t, e in zip(score.times, score.rms, strict=True)]
@@ -98,14 +98,14 @@ def _reported(what: str, first: float, second: float, order: float) -> Check:
 
 
 def _half_open(run: Run) -> Check:
-    """The profiles if the laboratory's clock starts when the gate is half way up: no source says when it does."""
+    """Distance from the profiles if the laboratory's clock starts with the gate half way up: no source says when."""
     score = laboratory.score(replace(POINTS, time=POINTS.time + HALF_OPEN), run.surface)
     assert score is not None
     return report("rms, clock from the half open gate on", 1e3 * score.overall, "mm")
 
 
 def _noise(run: Run) -> Check:
-    """Largest over the sensors, the first tenth of a second (the release) left out."""
+    """Largest noise of the pressure over the sensors, without the first tenth of a second (the release)."""
     late = run.series.sel(time=slice(0.1, None))
     scale = run.case.fluid.density * run.case.fluid.gravity * 0.35
     worst = max(noise(late.time.values, late.pressure.sel(sensor=name).values) for name in late.sensor.values)

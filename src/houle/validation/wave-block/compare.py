@@ -83,7 +83,7 @@ def compare(run: Run) -> list[Check]:
 
 
 def across(runs: Mapping[str, Run]) -> list[Check]:
-    """The separation by itself; the farthest from theory of all blocks with linear drag, and of all of crushed rock."""
+    """Checks of the separation by itself, and of the blocks farthest from theory: with linear drag, of crushed rock."""
     rows = [coefficients.Row.of(name, run) for name, run in runs.items()]
     checks = separation.checks(next(iter(runs.values()))) if runs else []
     for words, quadratic, limit in (("linear drag", False, LINEAR), ("Darcy-Forchheimer drag", True, QUADRATIC)):

@@ -1,4 +1,4 @@
-"""Looking at a file that may be damaged: HDF5 may take such a file for ever, or take the process with it."""
+"""Reading of files that may be damaged, in a child process: on such a file HDF5 may hang, or crash the process."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from collections.abc import Callable
 from pathlib import Path
 
 NO_END = "is damaged (HDF5 does not come through it)"
-SPEED = 2e7  # bytes that are looked at in a second of CPU, at least
+SPEED = 2e7  # bytes that are read in a second of CPU, at least: a child that takes longer hangs
 
 
-def apart(look: Callable[[], str], path: Path) -> str | None:
-    """What `look` says of the file; None if it does not come to an end, or ends the process that looks.
+def in_child(look: Callable[[], str], path: Path) -> str | None:
+    """The answer of `look` about the file, run in a child process; None if it hangs or crashes there.
 
-    That is a process of its own where the system can make one at once, by a fork; elsewhere HDF5 is trusted.
+    The child is made by a fork. Where the system has none, `look` runs in this process, and HDF5 is trusted.
     """
     if sys.platform != "linux":
         return look()
     reading, writing = os.pipe()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of forks beside threads: the child calls HDF5 alone
+        warnings.simplefilter("ignore", DeprecationWarning)  # about forks beside threads: the child calls HDF5 alone
         child = os.fork()
     if child == 0:
         os.close(reading)
@@ -35,7 +35,7 @@ def apart(look: Callable[[], str], path: Path) -> str | None:
 
 
 def _answer(look: Callable[[], str], path: Path, writing: int) -> None:
-    """The life of the child."""
+    """Runs `look` in the child, writes its answer to the pipe, and ends the child."""
     import resource
 
     status = 1
