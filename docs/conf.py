@@ -19,7 +19,9 @@ extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_design", "sphinx_copybutt
 exclude_patterns = ["extensions"]
 default_role = "code"
 nitpicky = True
-nitpick_ignore_regex = [("py:.*", r"(?!houle\.(analysis\.)?\w+$).*")]  # types of other packages, and of ours inside
+nitpick_ignore_regex = [
+    ("py:.*", r"(?!houle\.((analysis|design)\.)?\w+$).*")
+]  # types of other packages, and of ours inside
 suppress_warnings = ["myst.header"]  # the decisions begin with their number
 
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]

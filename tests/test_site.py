@@ -88,10 +88,22 @@ def test_every_variable_that_a_run_writes_is_shown(tmp_path, monkeypatch):
 
 
 def test_every_public_name_is_on_a_page():
-    for module, name in (("houle", "api/houle.md"), ("houle.analysis", "api/analysis.md")):
+    for module, name in (
+        ("houle", "api/houle.md"),
+        ("houle.analysis", "api/analysis.md"),
+        ("houle.design", "api/design.md"),
+    ):
         page = pages.Page(pages.DOCS / name, Path())
         pages.filled(page.path.read_text(encoding="utf-8"), page)
         assert sorted(page.names) == sorted(f"{module}.{n}" for n in import_module(module).__all__)
+
+
+def test_every_design_formula_is_in_the_table(tmp_path):
+    text, _ = page_of("design.md", tmp_path)
+    for row in choices("formula").values():
+        line = next(line for line in text.splitlines() if line.startswith(f"| `{row.call}` |"))
+        assert len(re.findall(r"(?<!\\)\|", line)) == 5  # four cells
+        assert ("RECALLED" in line) == ("RECALLED" in row.status)
 
 
 def test_every_public_header_is_on_a_page_and_says_what_it_is(tmp_path):

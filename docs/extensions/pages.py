@@ -7,6 +7,7 @@ A block is fenced like code, so that a page can be read in the repository as it 
     ```{other-fields}           variables that a run writes and the page does not name
     ```{part} ../README.md      sections of another document, one title a line
     ```{names} houle            documentation of public names, one or more a line
+    ```{formulas}               the table of design formulas
     ```{headers} grid           public headers of a room of core/houle
     ```{cases}                  shipped cases, each with its README and its case file
     ```{decisions}              the list of decisions
@@ -187,7 +188,16 @@ def _names(page: Page, block: Block) -> str:
 def _kind(value: object) -> str:
     if isinstance(value, type):
         return "exception" if issubclass(value, BaseException) else "class"
-    return "function"
+    return "function" if callable(value) else "data"
+
+
+def _formulas(page: Page, block: Block) -> str:
+    rows = ["| formula | what it gives | range | source |", "|---|---|---|---|"]
+    for row in import_module("houle.registry").choices("formula").values():
+        checked = f"{row.source}. {row.status}"
+        cells = (f"`{row.call}`", row.what, row.range or "–", f"{checked}. {row.scatter}" if row.scatter else checked)
+        rows.append("| " + " | ".join(headers.escaped(cell) for cell in cells) + " |")
+    return "\n".join(rows)
 
 
 def _headers(page: Page, block: Block) -> str:
@@ -273,6 +283,7 @@ BLOCKS: dict[str, Callable[[Page, Block], str]] = {
     "other-fields": _other_fields,
     "part": _part,
     "names": _names,
+    "formulas": _formulas,
     "headers": _headers,
     "cases": _cases,
     "decisions": _decisions,

@@ -3,6 +3,7 @@ public name is documented and every table of the case file shown."""
 
 from __future__ import annotations
 
+import inspect
 import shutil
 from importlib import import_module
 from importlib.util import find_spec
@@ -17,7 +18,7 @@ from sphinx.environment import BuildEnvironment
 from sphinx.util import logging
 
 logger = logging.getLogger(__name__)
-MODULES = ("houle", "houle.analysis")
+MODULES = ("houle", "houle.analysis", "houle.design")
 
 
 def work_folder(app: Sphinx, docname: str) -> Path:
@@ -42,7 +43,14 @@ def plain(app: Sphinx, what: str, name: str, value: Any, options: Any, lines: li
 
 
 def short(app: Sphinx, what: str, name: str, value: Any, options: Any, signature: str, returns: str) -> Any:
-    """No signature for classes: houle makes them, and what they hold is in their docstrings."""
+    """No signature for classes: houle makes them, and what they hold is in their docstrings.
+
+    Of a design formula the names and what is taken where they are left out: kinds and units are in its docstring.
+    """
+    if what == "function" and name.startswith("houle.design."):
+        given = inspect.signature(value).parameters.values()
+        bare = (p.replace(annotation=inspect.Parameter.empty) for p in given)
+        return str(inspect.Signature(list(bare))), None
     return ("", None) if what == "class" else None
 
 

@@ -39,8 +39,8 @@ def __getattr__(name: str) -> Any:
     value: Any
     if name == "__version__":
         value = _version()
-    elif name == "analysis":
-        value = import_module("houle.analysis")
+    elif name in ("analysis", "design"):
+        value = import_module(f"houle.{name}")
     elif name in _HOME:
         value = getattr(import_module(_HOME[name]), name)
     else:

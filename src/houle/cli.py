@@ -139,20 +139,30 @@ def describe(
         str,
         typer.Argument(
             metavar="TOPIC",
-            help="resistance | theories | makers | kernels | transfers | remeshing | numerics | fields | schema",
+            help="resistance | theories | makers | kernels | transfers | remeshing | numerics | fields | formulas | "
+            "schema",
         ),
     ],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="One design formula, with its inputs.")] = "",
 ) -> None:
-    """Explain the choices a case file offers, with citations; `schema` prints the JSON Schema."""
+    """Explain the choices a case file offers, and design formulas, with citations; `schema` prints the JSON Schema."""
     from rich.console import Console
 
-    from houle.case.describe import TOPICS
+    from houle.case.describe import TOPICS, formula
     from houle.case.messages import nearest
     from houle.errors import CaseError
+    from houle.registry import choices
 
     if topic not in TOPICS:
         raise CaseError(f"TOPIC = {topic} is not known.{nearest(topic, TOPICS)} Topics: {', '.join(TOPICS)}")
-    TOPICS[topic](Console())
+    if name and topic != "formulas":
+        raise CaseError(f"NAME = {name}: only formulas are told one by one. Leave it out to see all {topic}.")
+    if name and name not in (known := choices("formula")):
+        raise CaseError(f"NAME = {name} is not known.{nearest(name, known)} Formulas: {', '.join(known)}")
+    if name:
+        formula(Console(), name)
+    else:
+        TOPICS[topic](Console())
 
 
 @app.command()

@@ -1,9 +1,9 @@
-"""The choices that a case file offers: for each kind a table of rows with name, what it is, where it holds, its source.
+"""Tables of what there is to choose: for each kind rows with name, what it is, where it holds, its source.
 
-A row stands beside the class or function that it is about, in the table of its room. Who wants to know what there is
-asks here by the kind of choice: the case file for the values that it allows, `houle describe` and the tests for words
-and sources. So a choice is added in one place, and its name is written once. This module imports no room before it is
-asked, and is cheap to import.
+They are the choices that a case file offers, and the design formulas. A row stands beside the class or function that
+it is about, in the table of its room. Who wants to know what there is asks here by the kind of choice: the case file
+for the values that it allows, `houle describe`, the site and the tests for words and sources. So a choice is added in
+one place, and its name is written once. This module imports no room before it is asked, and is cheap to import.
 
     choices("law")["van-gent-1995"].source
 """
@@ -24,6 +24,7 @@ TABLES = {
     "transfer": ("houle.flow.transfer", "TRANSFERS"),
     "kernel": ("houle.flow.kernels", "KERNELS"),
     "remesh": ("houle.flow.remeshers", "REMESHERS"),
+    "formula": ("houle.design.formula", "FORMULAS"),
 }  # kind of choice: the module that holds its table, and what the table is called there
 
 

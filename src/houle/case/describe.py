@@ -1,4 +1,4 @@
-"""What `houle describe TOPIC` prints: every choice the case file offers, in words, with its source.
+"""What `houle describe TOPIC` prints: every choice the case file offers, and every design formula, with its source.
 
 The words of a choice stand in its row (`houle.registry`), those of a quantity with its observer (`houle.observe`).
 """
@@ -8,9 +8,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from math import inf
+from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
+from rich.padding import Padding
 from rich.table import Table
 
 from houle.fields import Field
@@ -147,6 +149,56 @@ def makers(console: Console) -> None:
     console.print(_rows("boundaries", {name: (row.what, row.source) for name, row in named.items()}))
 
 
+FORMULAS = (
+    "Published formulas for design, in Python as functions of houle.design; units are SI, angles in radians. An answer "
+    "says what lies outside the range of its formula. Those that are RECALLED were not compared with their source: "
+    "verify them before a number is printed as a fact. Inputs and an example: houle describe formulas NAME"
+)
+
+
+def formulas(console: Console) -> None:
+    """The design formulas: what each gives, where it holds, where it comes from."""
+    console.print(FORMULAS, highlight=False, markup=False)
+    for name, row in choices("formula").items():
+        console.print(f"\n[bold]{name}[/]", highlight=False)
+        _indented(console, row.what, {"range": row.range, "source": row.source, "checked": row.status})
+
+
+def formula(console: Console, name: str) -> None:
+    """One design formula in full: the equations, its inputs with their units, what it gives, an example."""
+    row = choices("formula")[name]
+    console.print(f"[bold]{name}[/]: houle.design.{row.call}", highlight=False)
+    facts = {"range": row.range, "source": row.source, "checked": row.status, "scatter": row.scatter}
+    _indented(console, row.equations, facts)
+    table = _table("input", "unit", "meaning", "if not given")
+    for key, given in row.inputs.items():
+        default = row.defaults().get(key)
+        table.add_row(key, given.unit or "-", escape(given.told), _left_out(key in row.defaults(), default))
+    console.print(table)
+    table = _table("gives", "unit", "meaning")
+    for key, (what, unit) in row.outputs.items():
+        table.add_row(key, unit, escape(what))
+    console.print(table)
+    console.print(escape(f"design.{row.call}({row.said(row.example)})"), highlight=False)
+    first, *lines = str(row.function(**row.example)).splitlines()
+    console.print(escape(first), highlight=False)
+    _indented(console, "\n\n".join(line.strip() for line in lines), {})
+
+
+def _left_out(optional: bool, default: Any) -> str:
+    """What stands in the place of an input that is left out; "needed" where it cannot be."""
+    if not optional:
+        return "needed"
+    return "-" if default is None else str(default)
+
+
+def _indented(console: Console, what: str, facts: Mapping[str, str]) -> None:
+    """A paragraph, and what is known of it, each with its word before it."""
+    told = (f"{word}: {text}" for word, text in facts.items() if text)
+    for text in (*what.split("\n\n"), *told):
+        console.print(Padding(escape(text.replace("\n", " ")), (0, 0, 0, 4), expand=False), highlight=False)
+
+
 TOPICS: dict[str, Callable[[Console], None]] = {
     "resistance": resistance,
     "theories": theories,
@@ -156,5 +208,6 @@ TOPICS: dict[str, Callable[[Console], None]] = {
     "remeshing": remeshing,
     "numerics": numerics,
     "fields": fields,
+    "formulas": formulas,
     "schema": schema,
 }
