@@ -22,7 +22,7 @@ WINDOW = 30.0  # wall time over which speeds are averaged [s]
 
 
 class Underway(Protocol):
-    """The part of a simulation that its progress is read from: time [s], steps, particles, drift of the water volume."""
+    """The part of a simulation that its progress is read from: time [s], steps, particles, drift of the volume."""
 
     steps: int
 
