@@ -5,8 +5,8 @@
     run = houle.run("dam-break-rock-35", overrides={"domain.spacing": 0.01})
     run.surface.eta.sel(time=0.8).plot()
 
-Importing houle is cheap; NumPy and the numerical core are loaded when one of the names below is first used.
-(The code of a run is in `houle.running.runner`: a module called `houle.run` would take the place of the function.)
+Importing houle is cheap: NumPy and the numerical core are loaded when one of the names below is first used. (The code
+of a run is in `houle.running.runner`: a module called `houle.run` would hide the function of this name.)
 """
 
 from __future__ import annotations

@@ -1,13 +1,14 @@
-"""`houle bench`: how fast this machine steps, operation by operation, beside the memory bandwidth it has.
+"""`houle bench`: the speed of the solver on this machine, operation by operation, beside its memory bandwidth.
 
-Every measurement runs in a process of its own, so that threads, memory and caches are not those of the one before, and
-several times, threads in turn. Each time a step does the same to the bit, and others on the machine can only make it
-slower: of every step, and of every operation in it, the fastest counts (`least`). What the fastest run took as a whole
-stands beside it:
+Every measurement runs several times, with one and with all threads in turn, and each time in a process of its own, so
+that it does not find memory and caches as the one before left them. All runs do bitwise the same, and other programs on
+the machine can only make them slower: so the fastest time of each step, and of each operation in it, counts (`least`).
+The time of the fastest run as a whole is given as well. One measurement is
 
     python -m houle.bench '{"case": "dam-break-rock-35", "overrides": {}, "threads": 1, "warm": 20, "steps": 200}'
 
-prints one line of JSON (`Measured`). The triad a = b + s c is measured by the same process right after the steps.
+which prints one line of JSON (`Measured`). The same process measures the memory bandwidth right after the steps, with
+the triad a = b + s c on large arrays.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ TRIAD_BLOCK = 1 << 16  # doubles per block: few enough to stay in a cache, enoug
 
 @dataclass(frozen=True)
 class Job:
-    """An order to measure `times` times: `steps` steps of a case after `warm` others."""
+    """A measurement: the time of `steps` steps of a case after `warm` others, taken `times` times."""
 
     title: str
     case: str
@@ -47,7 +48,15 @@ LARGE = (
 
 @dataclass(frozen=True)
 class Measured:
-    """Seconds of every step: wall, CPU, and wall per operation; memory [bytes] above that of the program."""
+    """The result of one measurement.
+
+    walls, cpus      elapsed time and CPU time of every step [s]
+    operations       elapsed time of each operation in every step [s]
+    iterations       mean per step of the pressure solver and of that of the position correction
+    memory           peak of the memory of the process beyond that of the program [bytes]; None where unknown
+    stepping         the same while stepping, without the set-up
+    triad            memory bandwidth [bytes/s]
+    """
 
     threads: int
     dimension: int
@@ -56,13 +65,13 @@ class Measured:
     walls: list[float]
     cpus: list[float]
     operations: dict[str, list[float]]
-    iterations: tuple[float, float]  # mean per step, pressure solver and correction solver
-    memory: float | None  # peak of the whole process, setting up included; None where the system does not tell
-    stepping: float | None  # peak while stepping
-    triad: float  # [bytes/s]
+    iterations: tuple[float, float]
+    memory: float | None
+    stepping: float | None
+    triad: float
 
     def microseconds(self, seconds: Sequence[float]) -> float:
-        """Per particle and step, of the seconds of every step."""
+        """Time per particle and step [us], from the seconds of every step."""
         return 1e6 * sum(seconds) / (len(seconds) * self.particles)
 
     @property
@@ -76,7 +85,7 @@ class Measured:
 
 
 def least(runs: Sequence[Measured]) -> Measured:
-    """The least time of every step, and of every operation in it, that any of these runs of one job took."""
+    """The least times of every step, and of every operation in it, among several runs of one job."""
 
     def each(seconds: Iterable[list[float]]) -> list[float]:
         return [min(times) for times in zip(*seconds, strict=True)]
@@ -113,9 +122,10 @@ def bench(threads: int | None = None, large: bool = False) -> list[list[Measured
 
 
 def show(job: Job, rows: Sequence[Measured], fastest: Sequence[Sequence[float]], console: Any) -> None:
-    """A table: microseconds per particle and step by operation, memory, bandwidth; a column per number of threads.
+    """Prints a table: time per particle and step by operation, memory, bandwidth; a column per number of threads.
 
-    rows: the least of the runs; fastest: the seconds of every step in the fastest of them.
+    rows     results by number of threads, `least` of the runs
+    fastest  the seconds of every step in the fastest run, by number of threads
     """
     from rich.table import Table
 
@@ -152,11 +162,12 @@ def show(job: Job, rows: Sequence[Measured], fastest: Sequence[Sequence[float]],
 
 
 def ratio(one: float, many: float) -> str:
+    """The factor by which many threads are faster than one, in words; the arguments are times."""
     return f"{one / many:.2f} x" if many > 0 else "-"
 
 
 def measure_apart(job: Job, threads: int) -> Measured:
-    """measure() in a process of its own."""
+    """Calls measure() in a process of its own."""
     order = {k: v for k, v in asdict(job).items() if k not in ("title", "times")} | {"threads": threads}
     command = [sys.executable, "-m", "houle.bench", json.dumps(order)]
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
@@ -165,7 +176,7 @@ def measure_apart(job: Job, threads: int) -> Measured:
 
 
 def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps: int) -> Measured:
-    """Steps of a case in this process, nothing written."""
+    """Measures steps of a case in this process; writes no files."""
     import numpy as np
 
     from houle.case.build import build
@@ -205,7 +216,7 @@ def measure(case: str, overrides: dict[str, Any], threads: int, warm: int, steps
 
 
 def least_traffic(dimension: int, particles: int, cells: int, iterations: tuple[float, float]) -> float:
-    """Bytes that a step moves if caches are perfect inside each pass over an array and hold nothing between passes.
+    """Bytes that a step moves at least: if caches are perfect within a pass over an array and hold nothing after it.
 
     Doubles per particle: reading position, velocity and volume is one pass (2 d + 1). Sorting takes three (read, write,
     and the index), the four transfers and surface searches one each, moving and displacing the position two each.
@@ -219,9 +230,9 @@ def least_traffic(dimension: int, particles: int, cells: int, iterations: tuple[
 
 
 def triad(threads: int, length: int = TRIAD_LENGTH, repeats: int = 5) -> float:
-    """Bytes per second of a = b + s c on arrays larger than the caches, best of some repeats, 3 doubles per entry.
+    """Memory bandwidth [bytes/s]: a = b + s c on arrays larger than the caches, 3 doubles per entry, best of `repeats`.
 
-    In blocks, so that the product, which NumPy needs a pass of its own for, does not leave the cache.
+    It goes in blocks, so that the product, for which NumPy needs a pass of its own, does not leave the cache.
     """
     import numpy as np
 
@@ -243,7 +254,7 @@ def triad(threads: int, length: int = TRIAD_LENGTH, repeats: int = 5) -> float:
 
 
 def peak_memory() -> float | None:
-    """Largest resident memory of this process since its start or forget_peak() [bytes]; None if nobody tells."""
+    """Largest resident memory of this process since its start or forget_peak() [bytes]; None where it is unknown."""
     try:
         with open("/proc/self/status", encoding="ascii") as status:  # Linux
             return next(1024.0 * float(line.split()[1]) for line in status if line.startswith("VmHWM"))
@@ -258,7 +269,7 @@ def peak_memory() -> float | None:
 
 
 def forget_peak() -> bool:
-    """Starts peak_memory() anew from what is in use now, where the system can (Linux)."""
+    """Lets peak_memory() start anew from the memory in use now. False where the system cannot (all but Linux)."""
     try:
         with open("/proc/self/clear_refs", "w", encoding="ascii") as file:
             file.write("5")

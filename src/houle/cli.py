@@ -1,8 +1,8 @@
 """The command line. A command reads its arguments, calls one function and sets the exit status, nothing else.
 
 Exit status: 0 done; 1 a target of `validate` was missed; 2 the input is wrong (one message, nothing written); 3 a run
-failed; 130 interrupted.
-What a command needs is imported inside it, so that `houle --help` answers at once.
+failed; 130 interrupted. Each command imports the modules that it needs when it is called, so that `houle --help`
+answers at once.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Later = Annotated[
 
 
 def ending(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Turns what went wrong into one message on standard error and the exit status."""
+    """Makes a command end every error of the user or of a run with one message on standard error and an exit status."""
 
     @functools.wraps(command)
     def wrapped(*args: Any, **options: Any) -> Any:
@@ -233,14 +233,14 @@ def bench(
 
 
 def _changes(overrides: list[str] | None) -> dict[str, Any]:
-    """--set key=value as a table of keys."""
+    """The options --set KEY=VALUE as a mapping of keys to values."""
     from houle.case.reading import parse_override
 
     return dict(parse_override(text) for text in overrides or [])
 
 
 class Steady(io.TextIOWrapper):
-    """Standard output or error, which nobody may read any more (`| head`, a closed terminal): the rest is dropped."""
+    """Standard output or error that drops the rest where nobody reads it any more (`| head`, a closed terminal)."""
 
     def write(self, text: str) -> int:
         try:
@@ -256,14 +256,17 @@ class Steady(io.TextIOWrapper):
             self._drop()
 
     def _drop(self) -> None:
-        """Sends the output from now on, and what is still in the buffer, to where everything is lost."""
+        """Sends the output from now on, and the rest of the buffer, to the null device."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self.fileno())
         os.close(nowhere)
 
 
 def steady(stream: TextIO | None, number: int) -> TextIO:
-    """The stream, made steady; one that is closed leads nowhere. A letter that it does not know is no failure."""
+    """The stream as a `Steady` one, the null device if it is closed. Letters it cannot encode are replaced.
+
+    number: its file descriptor, 1 or 2.
+    """
     if stream is None:
         stream = open(number, "w", encoding="utf-8", errors="replace", closefd=False)  # noqa: SIM115
     if not isinstance(stream, io.TextIOWrapper):
@@ -274,7 +277,10 @@ def steady(stream: TextIO | None, number: int) -> TextIO:
 
 
 def open_descriptors() -> None:
-    """Gives 0, 1 and 2 to nowhere where they are closed, lest a file of results gets the number and the messages."""
+    """Opens the null device as descriptor 0, 1 or 2 where that is closed.
+
+    Otherwise a file of results would get the number, and the messages would be written into it.
+    """
     for number in range(3):
         try:
             os.fstat(number)
@@ -284,8 +290,8 @@ def open_descriptors() -> None:
 
 def main() -> None:
     """Entry point of the command `houle`."""
-    gc.set_threshold(250_000)  # imported objects stay: looking through them for garbage over and over costs 0.4 s a run
+    gc.set_threshold(250_000)  # imported objects stay: searching them for garbage again and again costs 0.4 s a run
     open_descriptors()
     sys.stdout, sys.stderr = steady(sys.stdout, 1), steady(sys.stderr, 2)
-    atexit.register(gc.freeze)  # and at the end, when all is given back anyway, another 0.3 s
+    atexit.register(gc.freeze)  # saves another 0.3 s: at the end the system takes all memory back anyway
     app(prog_name="houle")

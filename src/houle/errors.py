@@ -1,18 +1,22 @@
-"""The two ways a run can end badly: the input was wrong (exit status 2), or the run failed (exit status 3); hints."""
+"""The errors that users see: the input was wrong (exit status 2), or the run failed (exit status 3)."""
 
 from __future__ import annotations
 
 
 class HouleError(Exception):
-    """What the user should read; anything else that escapes is a bug of ours."""
+    """Base of the errors whose message is meant for the user. Any other exception that escapes is a bug of houle."""
 
 
 class CaseError(HouleError):
-    """The input is wrong: the message gives key, value, allowed range and cure. Nothing has been written."""
+    """The input is wrong. The message gives key, value, allowed range and cure. Nothing has been written."""
 
 
 class SimulationError(HouleError):
-    """The run failed at a step, time [s] and place [m]; `diagnosis`: what is known of the cause, and what to try."""
+    """The run failed.
+
+    step, time [s], place [m]  when and where, as far as known
+    diagnosis                  the likely cause, and what to try
+    """
 
     def __init__(
         self,
@@ -28,6 +32,6 @@ class SimulationError(HouleError):
 
 
 def metres(value: float, size: float) -> str:
-    """A guess at the unit in which a position was given that lies far outside a tank of this size [m], or nothing."""
+    """A hint for the end of a message: a position far outside a tank of this size [m] may be in cm or mm. Else ""."""
     units = ((0.01, "cm"), (0.001, "mm"))
     return next((f" Were {u} given? Lengths are in m." for f, u in units if 10 * size < value <= size / f), "")

@@ -1,9 +1,9 @@
-"""What a quantity in the results is: name, symbol, unit, place, and a sentence for who reads the file.
+"""The description of a quantity in the results: name, symbol, unit, place, and a sentence for the reader of the file.
 
-Each row stands where the quantity is observed, in `houle.observe`, as a `Field`; the writers, `houle describe fields`
-and the plots read it from there. Units are SI, written as CF and UDUNITS want them. A quantity per volume of space has
-one unit in 3D and another in 2D, where a run is one metre wide: `Field.unit_in(dimension)` knows. Sums over the run
-(works, energy by operation) start at 0 with the run, so that rows of the series can be interpolated and differenced.
+A `Field` stands beside the code that observes the quantity, in `houle.observe`; the writers, `houle describe fields`
+and the plots read it there. Units are SI, in the spelling of CF and UDUNITS. Volumes, forces and energies have another
+unit in 2D, where they are per metre of width: see `Field.unit_in`. Sums over the run (works, energy of operations)
+start at 0, so that rows of the series can be interpolated and subtracted from each other.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from typing import Literal
 
 Instant = Literal["position", "velocity", "pressure", "middle"]
 
-RUN = "run"  # place of what has one value for all of the water
-LEVEL = "water_surface_height_above_reference_datum"  # a name of the CF table
+RUN = "run"  # place of a quantity with one value for all of the water
+LEVEL = "water_surface_height_above_reference_datum"  # standard name of a level in the CF table
 
 
 @dataclass(frozen=True)
@@ -24,11 +24,12 @@ class Field:
 
     place          where a value of it stands: "particle", "face", "centre", "surface", "run" (one value for all of the
                    water), or the dimension of series.nc that its observer names
-    unit_2d        unit per metre of width, where it differs
+    description    a sentence fragment for `long_name`
+    unit_2d        unit in 2D, per metre of width, where it is another
     vector         whether there is one value per axis
-    standard_name  name in the CF table, only where that table has the very thing
-    instant        which of the step's instants a sample belongs to: that of the positions (its end), of the velocities
-                   or the pressures (the scheme says when), or the middle of the step
+    standard_name  name in the CF table, only if that table has exactly this quantity
+    instant        instant of a step to which a sample belongs: that of the "position" of particles (its end), of the
+                   "velocity" or the "pressure" (the scheme says when), or the "middle" of the step
     """
 
     name: str
@@ -56,7 +57,7 @@ TIME = Field("time", "t", "s", "run", "simulated time since the start of the run
 
 @dataclass(frozen=True)
 class Stations:
-    """Where the values of an observer stand in series.nc.
+    """Names and coordinates of the values of an observer in series.nc.
 
     names        one for each value along the dimension
     coordinates  word -> (sentence, values [m]): the variable gauge_x of the dimension gauge has the word x

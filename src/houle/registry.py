@@ -1,9 +1,10 @@
-"""Tables of what there is to choose: for each kind rows with name, what it is, where it holds, its source.
+"""Tables of choices, one per kind: what a case file offers, such as resistance laws and wave theories; design formulas.
 
-They are the choices that a case file offers, and the design formulas. A row stands beside the class or function that
-it is about, in the table of its room. Who wants to know what there is asks here by the kind of choice: the case file
-for the values that it allows, `houle describe`, the site and the tests for words and sources. So a choice is added in
-one place, and its name is written once. This module imports no room before it is asked, and is cheap to import.
+A row has a name, a description, a range and a source. It stands beside the class or function that it describes, and is
+added to the table of its kind. Everyone who needs the choices asks here by their kind: the case file for the values
+that it allows, `houle describe`, the site and the tests for descriptions and sources. So a choice is added in one
+place, and its name is written once. This module is cheap to import: it imports the module of a table when the table is
+asked for.
 
     choices("law")["van-gent-1995"].source
 """
@@ -25,16 +26,16 @@ TABLES = {
     "kernel": ("houle.flow.kernels", "KERNELS"),
     "remesh": ("houle.flow.remeshers", "REMESHERS"),
     "formula": ("houle.design.formula", "FORMULAS"),
-}  # kind of choice: the module that holds its table, and what the table is called there
+}  # kind of choice: the module of its table, and the name of the table there
 
 
 class Row(Protocol):
-    """What every choice says about itself: a class with these attributes, or an object.
+    """A choice: a class or an object with these attributes.
 
-    name    in the case file
-    what    it is, in a sentence or two
-    range   in which it holds, "" where it holds everywhere
-    source  in the literature or in our documents
+    name    its name in the case file
+    what    a description of it, in a sentence or two
+    range   the range in which it holds; "" if it holds everywhere
+    source  its source in the literature or in our documents
     """
 
     @property
@@ -56,7 +57,9 @@ R = TypeVar("R", bound=Row)
 class Choices(Mapping[str, R]):
     """The rows of one kind by name, in the order in which they were added, or by `place` where the rows have one.
 
-    package: whose modules add rows as they are imported, all of them before a row is read; "" where none does.
+    kind     name of the kind, for messages
+    package  a package whose modules add rows when they are imported: all of them are imported before a row is read;
+             "" where the rows are given
     """
 
     def __init__(self, kind: str, rows: Iterable[R] = (), package: str = "") -> None:
@@ -67,7 +70,7 @@ class Choices(Mapping[str, R]):
             self.add(row)
 
     def add(self, row: R) -> None:
-        """Adds a row. ValueError where the name is taken: two choices of one name would hide each other."""
+        """Adds a row. Raises ValueError if another row has its name."""
         if self._rows.get(row.name, row) is not row:
             raise ValueError(f"there are two choices of kind {self.kind} with the name {row.name}: rename one of them")
         self._rows[row.name] = row

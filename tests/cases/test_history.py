@@ -67,7 +67,7 @@ def test_any_record_can_be_made_by_any_maker(tmp_path, maker, cut):
 
 def test_a_mean_that_a_source_would_leave_out_is_refused(tmp_path):
     write(tmp_path, T, WAVES + 0.02)
-    with pytest.raises(CaseError, match=r"mean of the record and what is not 0.18 to 9.6 m long"):
+    with pytest.raises(CaseError, match=r"mean of the record, nor waves that are not 0.18 to 9.6 m long"):
         rules.require(flume(tmp_path, "source", source={"x": 4.0, "side": "right", "width": 0.6}))
     rules.require(flume(tmp_path, "zone"))
     with pytest.raises(CaseError, match=r"waves.piston.x = 11 m: it goes 2.7.* m to the right"):  # with the water

@@ -160,7 +160,7 @@ def test_doubts_quote_the_numbers_and_the_cure(doubt):
 def test_the_window_is_that_of_the_analysis():
     case = flume(porous=[block()], gauge=[{"x": 3.0}, {"x": 3.4}])
     good = gauges.steady(case)
-    assert good is not None and good.level == "info" and "can be taken apart from" in good.text
+    assert good is not None and good.level == "info" and "waves can be separated from" in good.text
     short = gauges.steady(load(case, {"time.end": 8.0}))
     assert short is not None and (short.level, short.key) == ("warning", "time.end") and "s longer" in short.text
     source = SOURCE["source"] | {"x": 2.0, "side": "right"}

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from houle import load
-from houle.boundary.absorbing import Drive
+from houle.boundary.absorbing import WaveCommand
 from houle.boundary.gate import Gate
 from houle.boundary.internal_source import Source, make_source
 from houle.boundary.open_side import OpenSide
@@ -43,7 +43,7 @@ READ = reading_of(WAVE, DEPTH, 9.81)
 
 def _piston(grid, medium, water):
     law = law_of(WAVE, 0.3, READ, 0.3, regular=True)
-    return Paddle("piston", grid, 0.3, 1, Drive(law, READ, grid, True))
+    return Paddle("piston", grid, 0.3, 1, WaveCommand(law, READ, grid, True))
 
 
 def _side(far: bool, **given: float):
@@ -62,7 +62,7 @@ def _source(grid, medium, water):
 KINDS: dict[str, Callable[..., Boundary]] = {
     "gate": lambda grid, *_: Gate(grid, GATE, 1.0, OPENS),
     "piston": _piston,
-    "absorber": lambda grid, *_: Paddle("absorber", grid, 2.7, -1, Drive(None, READ, grid, True)),
+    "absorber": lambda grid, *_: Paddle("absorber", grid, 2.7, -1, WaveCommand(None, READ, grid, True)),
     "open left": _side(False, velocity=0.1),
     "open right": _side(True, level=0.28),
     "source": _source,

@@ -64,7 +64,7 @@ def test_water_that_moves_on_alike_leaves_pores_as_full_and_levels_where_they_ar
     fill, level = flow.fill.copy(), flow.filled_level.copy()
     flow.velocity[0][...], flow.velocity[1][...] = way * 0.025, 0.0
     sim.particles.velocity[...] = way * 0.025, 0.0
-    move(flow, 1.0, linear=False)
+    move(flow, 1.0, interpolated=False)
     arrange(flow)
     inner = slice(10, 30)  # not at the walls
     pores = 1.0 / flow.inverse_capacity[inner, 5] / 0.025**2

@@ -1,1 +1,1 @@
-"""What acts on the water from outside: moving walls, open sides, wave makers, sponges."""
+"""Boundaries of the water: gates, moving walls, open sides, makers of waves, relaxation zones and sponges."""

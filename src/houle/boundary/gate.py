@@ -1,8 +1,8 @@
-"""A lifting gate: a thin plate across the tank, shut down to its lower edge, which rises.
+"""A lifting gate: a thin plate across the tank that is lifted, and so opens from the floor up.
 
-It stands on the nearest face of the grid and its edge on the nearest grid line: through a face that is a little open
-the pressure would drive the water of a whole cell, which cannot pass. Particles, fill, levels and velocities know it as
-a wall between the columns beside it (docs/decisions/0020).
+The plate stands on the nearest face of the grid, and its lower edge on the nearest grid line: through a face that is a
+little open the pressure would drive the water of a whole cell, which cannot pass. For particles, fill, levels and
+velocities the gate is a wall between the two columns beside it, above its lower edge (docs/decisions/0020).
 """
 
 from __future__ import annotations
@@ -20,17 +20,21 @@ from houle.medium.medium import Medium
 
 
 class Gate(Boundary):
-    """face, x: number and place [m] of the face that it stands on; row: of cells, at whose floor its edge is now."""
+    """A gate that rises at constant speed from a given time on.
+
+    face  number along x of the face on which it stands; x: position of that face [m]
+    row   row of cells, counted from the floor, at whose lower face the lower edge is now; the gate is shut from it up
+    """
 
     def __init__(self, grid: Grid, x: float, speed: float, start: float = 0.0, name: str = "gate") -> None:
-        """x [m]; upward speed of its lower edge [m/s], from the time `start` [s] on."""
+        """A gate at x [m] whose lower edge rises with this speed [m/s] from the time `start` [s] on."""
         self.grid, self.speed, self.start, self.name = grid, speed, start, name
         self.face = round(x / grid.spacing[0])
         self.x = self.face * grid.spacing[0]
         self.row = self._row_at(0.0)
 
     def _row_at(self, t: float) -> int:
-        """That of the grid line nearest to the lower edge at time t [s]."""
+        """The row whose lower face is the grid line nearest to the lower edge at the time t [s]."""
         return math.floor(max(0.0, (t - self.start) * self.speed) / self.grid.spacing[-1] + 0.5)
 
     def openness(self, faces: SingleFaces) -> None:
@@ -40,7 +44,7 @@ class Gate(Boundary):
         return [(self.x, self.row * self.grid.spacing[-1])]
 
     def begin(self, tank: Tank, dt: float) -> None:
-        """It stands, all through the step, where it is at its start."""
+        """Puts the gate where it stands at the start of the step; it stays there throughout the step."""
         self.row = self._row_at(tank.time)
 
     def state(self) -> State:

@@ -1,7 +1,7 @@
 """A source inside the water: a force that makes waves, the gradient of a potential that is uniform over the depth.
 
 Regular waves of finite height get all their harmonics from the potential of `houle.waves.finite`; a sum of linear
-waves gets the force of JH2020 (4), (5).
+waves gets the force of JH2020 (4), (5). Section 14 of docs/theory.md has both.
 """
 
 from __future__ import annotations
@@ -21,21 +21,23 @@ from houle.waves.dispersion import frequency, group_velocity
 from houle.waves.finite import SHARPNESS, Potential, Spectrum, potential
 from houle.waves.wave import Components, Wave, WaveError, ramp
 
-NWOGU = -0.390  # of the Boussinesq equations of Nwogu (1993), in (5)
-WIDTH, NARROW = 1.0, 0.25  # wavelengths: of a source for regular waves, for a spectrum with its short waves
-SHORTEST, LONGEST = 0.3, 16.0  # widths of a source: other waves of a record it does not make
-LEAVES = 0.5  # of the rms of a record with its two ends, what it leaves out at most: some 0.3 of any that is cut
-ACTS = 0.75  # widths to each side of a source where its force is more than a thousandth of its largest
-REACH = 1.25  # widths to each side of the source where its force is not negligible: exp(-20 * 1.25^2) = 3e-14
-FADE = 1.0  # widths from where what an oblique wave asks for further out (1e-3 of the force) is led to 0
+NWOGU = -0.390  # alpha in (24): the constant of the Boussinesq equations of Nwogu (1993)
+WIDTH, NARROW = 1.0, 0.25  # wavelengths: width of a source for regular waves, and for a spectrum with its short waves
+SHORTEST, LONGEST = 0.3, 16.0  # widths of a source: of a record it makes the waves with lengths between these
+MOST_LEFT_OUT = 0.5  # share of the rms of a record that a source may leave out; the ends of any cut record are some 0.3
+ACTS = 0.75  # widths to each side of a source within which its force exceeds a thousandth of its largest
+REACH = 1.25  # widths to each side of a source within which its force is not negligible: exp(-20 * 1.25^2) = 3e-14
+FADE = 1.0  # widths: the force of an oblique wave, which does not end by itself (1e-3 of it), fades from here to REACH
 
 
 @dataclass(frozen=True)
 class Source:
-    """A source inside the water: its middle x [m], its width [m], the form of its push, and where the waves go.
+    """A source inside the water, as the case gives it.
 
-    form  "finite": regular waves with all their harmonics; "linear", "boussinesq": the first alone, by group velocity
-    side  "both", "left" or "right"
+    x      middle of the source [m]; width: its width [m]
+    form   "finite": a regular wave with all its harmonics; "linear", "boussinesq": the first harmonic alone, with the
+           group velocity of linear theory or that of the Boussinesq equations, (23) or (24)
+    side   sides to which the waves leave: "both", "left" or "right"
     """
 
     x: float
@@ -45,13 +47,13 @@ class Source:
 
 
 class _Force(Boundary):
-    """What is common to all sources. acts: where from and to its force counts [m]."""
+    """Base of the sources. acts: interval along x within which the force counts [m]."""
 
     name = "waves.source"
     acts: tuple[float, float] = (0.0, 0.0)
 
     def join(self, tank: Tank, boundaries: Boundaries) -> None:
-        """CaseError where a moving wall stands in its force, or before it: behind a wall is no water to push."""
+        """Raises CaseError where some of its force would act behind a moving wall, where no water is."""
         low, high = self.acts
         for wall in boundaries:
             for x, water in wall.images():
@@ -64,18 +66,24 @@ class _Force(Boundary):
 
 @dataclass(eq=False)
 class InternalSource(_Force):
-    """The momentum source of JH2020 (4), (5), corrected: the gradient of a potential G(x) times oscillations.
+    """The momentum source of JH2020 (4), (5), corrected, for sums of linear waves: (22) to (25) in docs/theory.md.
 
-    For what is a sum of linear waves; regular waves with harmonics have FiniteSource.
+    The force is the gradient of a potential that is uniform over the depth: a bell G(x) times oscillations in time,
+    with G = exp(-beta (x - x0)^2) and beta = 20 / width^2. For waves to both sides each component is pushed along x by
+    -g (D/omega) G' sin theta, where theta = omega t - k_x x0 - k_y y - psi, with + k_x x0 for waves to the left alone.
+    For waves to one side it is half of that, with a part added whose waves cancel those on the other side:
+    -g (D/2 omega) (G' sin theta +- G''/k_x cos theta). Oblique waves are pushed along y as well, by the derivative of
+    the same potential: without this they would be too low by the squared cosine of the angle. Regular waves with their
+    harmonics have `FiniteSource`.
 
-    G = exp(-beta (x - x0)^2), beta = 20 / width^2, uniform over the depth. To both sides each component is pushed by
-    -g (D/omega) G' sin(omega t - k_y y - psi); to one side by half of that with the part added whose waves on the other
-    side cancel: -g (D/2 omega) (G' sin(...) +- G''/k_x cos(...)). Oblique waves are pushed along y as well, by the
-    other derivative of the same potential: without it they would come out lower, by the squared cosine of the angle.
-
-    first     number of the first face along x that it pushes
-    shapes    G' [1/m] and +-G''  [1/m2] on these faces (2, faces); across: G [-] and +-G' [1/m] between them
-    size      g D / omega of the components [m2/s2], halved for one side; k_x, k_y [rad/m]
+    first          number of the first face along x that it pushes
+    shapes         G' [1/m] and +-G''  [1/m2] on these faces (2, faces), the second 0 for waves to both sides
+    size           g D / omega of the components [m2/s2], halved for one side
+    k_x, k_y       wave numbers of the components [rad/m]; omega: their frequencies [rad/s]
+    offset         omega t - theta on the faces across x [rad], (ny, components); one row in 2D
+    duration       time in which the force grows from nothing [s]
+    across         G [-] and +-G' [1/m] at the cells between these faces, for the push along y (2, cells)
+    offset_across  the same on the faces across y [rad], (ny + 1, components); no row in 2D
     """
 
     first: int
@@ -83,11 +91,11 @@ class InternalSource(_Force):
     size: FloatArray
     k_x: FloatArray
     omega: FloatArray
-    offset: FloatArray  # k_y y + psi [rad], (ny, components); one row in 2D
-    duration: float  # of the ramp [s]
+    offset: FloatArray
+    duration: float
     k_y: FloatArray
     across: FloatArray
-    offset_across: FloatArray  # on the faces along y (ny + 1, components); no row in 2D
+    offset_across: FloatArray
 
     @classmethod
     def of(
@@ -99,6 +107,7 @@ class InternalSource(_Force):
         duration: float,
         current: float = 0.0,
     ) -> InternalSource:
+        """The source that makes the components `parts` of the wave, in time `duration` [s], on a current [m/s]."""
         h, count = grid.spacing[0], grid.shape[0]
         beta = SHARPNESS / source.width**2
         first, last = (round((source.x + s * REACH * source.width) / h) for s in (-1, 1))
@@ -106,7 +115,7 @@ class InternalSource(_Force):
         x: FloatArray = np.arange(first, last + 1, dtype=float) * h - source.x
         shapes, across = _bell(x, beta)[1:], _bell(x[:-1] + h / 2, beta)[:2]
         k_x, k_y = parts.k * np.cos(parts.direction), parts.k * np.sin(parts.direction)
-        reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I, the strength of G at k_x
+        reach = sqrt(pi / beta) * np.exp(-(k_x**2) / (4 * beta))  # I of (23), the Fourier transform of G at k_x
         height = 2 * parts.amplitude
         speed, sigma = _speed(source.form, parts, wave.depth, wave.gravity), parts.omega
         if current:  # the push oscillates with sigma for the water that runs through it, the energy leaves with c_g + U
@@ -154,7 +163,7 @@ def _bell(x: FloatArray, beta: float) -> FloatArray:
 
 
 def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatArray:
-    """The factor of D that is the group velocity [m/s]: exact for potential flow, or of the Boussinesq equations."""
+    """Group velocity [m/s] of the components as it stands in D, (23): of potential flow, or (24) of Boussinesq's."""
     if form != "boussinesq":
         return np.asarray(group_velocity(parts.k, depth, gravity))
     k, omega = parts.k, parts.omega
@@ -164,13 +173,19 @@ def _speed(form: str, parts: Components, depth: float, gravity: float) -> FloatA
 
 @dataclass(eq=False)
 class FiniteSource(_Force):
-    """Adds sum_n r^n Re(F_n(x) exp(-i n tau)), tau = omega t - k_y y - psi, r the ramp; the mean, n = 0, grows as r^2.
+    """The source of a regular wave of finite height with all its harmonics, (25a) and (25b) in docs/theory.md.
 
-    That is how the harmonics of a wave grow with its height, so that it is nearly right already while it grows.
+    It pushes the water with sum_n r^n Re(F_n(x) exp(-i n theta)), where r is the ramp from 0 to 1 and theta that of
+    `InternalSource`; the mean, n = 0, grows as r^2. The harmonics of a wave grow with its height in this way, so that
+    the force is nearly right already while the wave grows.
 
     first     number of the first face along x that it pushes, and of the first cell
-    along_x   F_n on these faces (faces, M); along_y on the cells between (cells, M), none in 2D [m/s2]
-    phase     k_y y + psi at the cell centres along y (ny,), on the faces across (ny + 1,) [rad]; one and none in 2D
+    along_x   F_n on these faces (faces, M) [m/s2]
+    along_y   F_n of the push along y at the cells between them (cells, M) [m/s2]; no row in 2D
+    omega     frequency [rad/s]
+    phase     omega t - theta [rad] at the cell centres along y (ny,), and on the faces across y (ny + 1,); one value
+              and none in 2D
+    duration  time of the ramp [s]
     """
 
     first: int
@@ -178,16 +193,16 @@ class FiniteSource(_Force):
     along_y: Spectrum
     omega: float
     phase: tuple[FloatArray, FloatArray]
-    duration: float  # of the ramp [s]
+    duration: float
 
     @staticmethod
     def force(wave: Wave, width: float, side: str) -> Potential:
-        """side: "both", "left" or "right". Raises WaveError."""
+        """The potential of the force, for waves to a side: "both", "left" or "right". Raises WaveError without one."""
         return potential(wave, width, (side != "left", side != "right"))
 
     @classmethod
     def of(cls, wave: Wave, grid: Grid, place: float, width: float, side: str, duration: float) -> FiniteSource:
-        """At x = place [m]."""
+        """The source around x = place [m]. Raises WaveError where the wave is too steep for a source so narrow."""
         from scipy.interpolate import CubicSpline
 
         found = cls.force(wave, width, side)
@@ -225,7 +240,7 @@ class FiniteSource(_Force):
             acceleration[1][self.first : self.first + len(force)] += force[..., None]
 
     def _force(self, shapes: Spectrum, phase: FloatArray, t: float) -> FloatArray:
-        """(places, phases)"""
+        """The push [m/s2] at the time t [s], (places along x, phases along y), of harmonics F_n at these places."""
         n = np.arange(shapes.shape[1])
         grown = float(ramp(t, self.duration)) ** np.where(n == 0, 2, n)
         beat = grown[:, None] * np.exp(-1j * n[:, None] * (self.omega * t - phase))
@@ -233,39 +248,41 @@ class FiniteSource(_Force):
 
 
 def _share(x: FloatArray, width: float) -> FloatArray:
-    """1 inside of FADE widths, 0 outside of REACH, half a cosine between."""
+    """Kept share of the force of an oblique wave at x: 1 within FADE widths, 0 beyond REACH, a cosine between."""
     way = np.clip((np.abs(x) / width - FADE) / (REACH - FADE), 0.0, 1.0)
     return np.asarray(0.5 + 0.5 * np.cos(np.pi * way))
 
 
 def source_width(given: float | None, kind: str, wave: Wave) -> float:
-    """Width [m] of a source of waves of this kind: as given, or in proportion to the wavelength."""
+    """Width [m] of a source for waves of this kind: as given, else in proportion to the wavelength."""
     return given or (WIDTH if kind == "regular" else NARROW) * wave.length
 
 
 def oscillations(wave: Wave, kind: str, width: float) -> Components:
-    """What a source of this width [m] can make: the components of the wave. Raises WaveError if they are not all of it.
+    """The components of the wave that a source of this width [m] makes. Raises WaveError if it cannot make the wave.
 
-    Of a record it leaves out the mean and what does not suit its width, if that is little: see `left_out`.
+    Of a record it leaves out the mean, and waves whose length does not suit its width, if they are little (`left_out`).
     """
     parts = wave.components()
     if parts is None:
         raise WaveError(f"waves.source cannot make a {kind} wave, which is no sum of cosines: take waves.zone")
-    if kind == "series" and (share := left_out(parts, width)) > LEAVES:
+    if kind == "series" and (share := left_out(parts, width)) > MOST_LEFT_OUT:
         low, high = SHORTEST * width, LONGEST * width
         raise WaveError(
-            f"waves.source cannot make the mean of the record and what is not {low:.3g} to {high:.3g} m long, "
-            f"{SHORTEST:g} to {LONGEST:g} of its widths: {share:.0%} of the rms with what leads to still water, "
-            f"{LEAVES:.0%} at most; take waves.zone or waves.piston, another width, or a record without its mean"
+            f"waves.source cannot make the mean of the record, nor waves that are not {low:.3g} to {high:.3g} m long, "
+            f"{SHORTEST:g} to {LONGEST:g} of its widths: here {share:.0%} of the rms of the record and the ends that "
+            f"lead it to still water, {MOST_LEFT_OUT:.0%} at most. Take waves.zone or waves.piston, another width, or "
+            "a record without its mean"
         )
     return parts.chosen(_suits(parts, width)) if kind == "series" else parts
 
 
 def left_out(parts: Components, width: float) -> float:
-    """Share of the rms in waves so long or so short that a source of this width [m] would raise the water by depths.
+    """Share of the rms of a record in waves too long or too short for a source of this width [m].
 
-    Its potential goes as H/(k width), to one side as H/(k width)^2: at 16 widths 36 heights; for short waves, of which
-    it holds several, as exp(k^2/4 beta): at 0.3 widths 240 heights.
+    For these the potential of the source would lift the water by many wave heights H. It goes as H/(k width), for waves
+    to one side as H/(k width)^2, which makes 36 heights for waves of 16 widths; for short waves, several of which fit
+    into the source, it goes as exp(k^2/4 beta), which makes 240 heights for waves of 0.3 widths.
     """
     energy = parts.amplitude**2 * np.where(parts.omega > 0, 0.5, 1.0)
     return float(np.sqrt(energy[~_suits(parts, width)].sum() / energy.sum()))
@@ -277,12 +294,12 @@ def _suits(parts: Components, width: float) -> NDArray[np.bool_]:
 
 
 def is_finite(source: Source, kind: str, parts: Components) -> bool:
-    """Whether the source makes all harmonics of the wave."""
+    """True for a source that makes all harmonics of the wave, False for one that makes its linear components."""
     return source.form == "finite" and kind == "regular" and len(parts.k) > 1
 
 
 def require_source(source: Source, kind: str, wave: Wave) -> None:
-    """Raises WaveError if the source cannot make this wave. What it finds out is kept for the source."""
+    """Raises WaveError if the source cannot make this wave. The potential that it finds is cached for the source."""
     if is_finite(source, kind, oscillations(wave, kind, source.width)):
         FiniteSource.force(wave, source.width, source.side)
 
@@ -290,7 +307,7 @@ def require_source(source: Source, kind: str, wave: Wave) -> None:
 def make_source(
     source: Source, kind: str, wave: Wave, grid: Grid, duration: float, current: float = 0.0
 ) -> InternalSource | FiniteSource:
-    """The force that makes waves of this kind and grows in the time `duration` [s]. Raises WaveError."""
+    """The source of waves of this kind, growing in `duration` [s]. Raises WaveError for waves that it cannot make."""
     parts = oscillations(wave, kind, source.width)
     if is_finite(source, kind, parts):
         return FiniteSource.of(wave, grid, source.x, source.width, source.side, duration)

@@ -1,26 +1,28 @@
-"""Open sides of the tank: water comes in or goes out at a velocity, with a discharge, or towards a level outside.
+"""Open sides of the tank: water enters or leaves at a velocity, with a discharge, or towards a level outside.
 
-At every step each open side has one velocity into the tank for each of its faces. It enters the pressure system as a
-flux, and the faces keep it; the very volume that it carries is let in and taken out, particle by particle.
+In each step an open side gives every one of its faces a velocity into the tank, (30) in docs/theory.md. It enters the
+pressure system as a flux, and the faces keep it after the projection. Exactly the volume that it carries is let in or
+taken out, particle by particle.
 
     velocity, discharge    u_in = U(t), or q(t) over the wet depth
     level                  u_in = U + sqrt(g/d) (level(t) - eta)          (Flather 1976)
 
-The second lets long waves leave: what comes from inside with u = -sqrt(g/d) eta passes unchanged. U is that of the
-case when velocity or discharge are given beside the level; else it is found: dU/dt = sqrt(g/d) (level - eta) / T, so
-that in the end the level is that asked for, whatever flows. T, the response, is long beside the waves. A wave that a
-relaxation zone at the side makes is part of what is outside: its elevation of the level, its velocity of U.
+d is the wet depth and eta the level of the water at the side. The second form lets long waves leave: one that comes
+from inside with u = -sqrt(g/d) eta passes unchanged. Where the case gives a velocity or a discharge beside the level, U
+is that. Otherwise it is found from dU/dt = sqrt(g/d) (level - eta) / T, (31), so that in the end the water has the
+level that is asked for, whatever flows. T, the response, is long beside the period of the waves. If a relaxation zone
+at the side makes a wave, the wave belongs to the outside: its elevation is added to the level, its velocity to U.
 
-What damps in front of a side, in its half of the tank, would hold up the flow through it: the side pushes the water
-there towards that flow, + sigma U. A current, and the long waves that leave; what the side lets in of the wave of a
-zone is not in it.
+Sponges and zones in front of a side, in its half of the tank, would hold up the flow through it. So the side pushes the
+water there by + sigma U, where sigma is their damping: they then lead the water towards the flow through the side
+instead of to rest. This flow is the current and the long waves that leave, without the wave that a zone makes.
 
-**Particles.** Behind each half face of a side lies a row of particles. What comes in through the half face in a step is
-a thin slice of water: it joins the first particle of the row until that is full, a half cell of water, then the next
-one begins. What goes out is a slice too, taken from the first particles of the row; a particle that has nothing left is
-gone. So the particles next to the side grow or shrink with the flow: volumes, and levels, do not jump when one passes.
-Each stands for the water between its ends, and its place follows their middle. What is to go out and is not within a
-cell of the side is owed, and taken in the steps that follow.
+**Particles.** Inside the tank, next to each half face of a side, lies a row of particles. The water that enters through
+the half face in a step is a thin slice: it joins the first particle of the row until that is full, with the water of a
+half cell; then a new particle begins. The water that leaves is a slice as well, taken from the first particles of the
+row; a particle without water is removed. So the particles next to the side grow or shrink with the flow, and neither
+volume nor level jumps when one passes. A particle stands for the water between its two ends, and lies at their middle.
+Water that ought to leave but is not within a cell of the side is owed, and taken in later steps.
 """
 
 from __future__ import annotations
@@ -42,25 +44,37 @@ from houle.grid import Faces, FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.waves.wave import Wave, ramp
 
-NEAR = 3  # columns over which the level at the side is taken: that of one is noisy by some thousandths of the depth
-CROSSINGS = 4.0  # of the tank by a long wave, the response of a level: critical damping if its other end is closed
-THIN = 0.25  # of a half cell: less water at the surface belongs to the half cell below
-SPARE = 1e-3  # by which a particle may be overfull: water that hardly moves makes no specks
-EDGE = 1e-6  # cells from the side: a particle that the side has stopped
-KEPT = ("follows", "owed", "came", "went", "outgoing")  # numbers that the next step depends on
+NEAR = 3  # columns over which the level at the side is averaged: one column is noisy by thousandths of the depth
+CROSSINGS = 4.0  # times that a long wave crosses the tank in the response: critical damping if the other end is closed
+THIN = 0.25  # share of a half face: less water at the surface is counted with the half face below
+SPARE = 1e-3  # share by which a particle may be overfull, so that slow water makes no tiny particles
+EDGE = 1e-6  # cells: a particle so near to the side was stopped by it
+KEPT = ("follows", "owed", "came", "went", "outgoing")  # numbers in the state of a side
 
 
 @dataclass(eq=False)
 class OpenSide(Boundary):
-    """One open side. Shapes: rows = grid.shape[1:], its faces; halves = twice as many along each axis.
+    """One open side of the tank.
 
-    speed (rows) into the tank [m/s]; wet (halves) share of each half face that is under water; after `drive`.
-    follows: U of a level [m/s]; owed: volume [m^d] that should have gone out and was not there yet.
-    came, went: volume [m^d] that has come in and gone out since the start.
-    long_from: end of the zone from which long waves come back that it is to let through [m]; 0: none.
-    outgoing: their elevation, smoothed over the time in which they cross the zone [m].
-    excess: what flows in through the zone besides its wave, per width, after `drive` [m2/s].
-    shear (rows): of `speed`, what differs from its mean over the wet depth, but for the wave of a zone [m/s].
+    Shapes: rows = grid.shape[1:], the faces of the side; halves = twice as many along each axis, its half faces.
+
+    far         True for the right side, False for the left one
+    prescribed  "velocity" [m/s], "discharge" [m2/s], "level" [m], as far as given: records against time
+    ramp        time in which velocity and discharge grow from nothing [s]
+    response    T of a level that is given alone [s]
+    open        (rows) open area fraction of the faces
+    wave        the wave of a relaxation zone at the side, None without; wave_ramp: time in which it grows [s]
+    follows     U where a level is given alone [m/s]
+    owed        volume that should have gone out and was not there yet [m^d]
+    came, went  volume that has come in and gone out since the start [m^d]
+    long_from   inner end of a zone through which long waves from inside are let pass [m]; 0: none are
+    outgoing    elevation of these waves, smoothed over the time in which they cross the zone [m]
+    excess      discharge per width into the tank without that of the wave of the zone [m2/s], set by `drive`
+    speed       (rows) velocity into the tank [m/s], set by `drive`
+    wet         (halves) share of each half face that is under water, set by `drive`
+    shear       (rows) difference of `speed`, without the wave of a zone, from its mean over the wet depth [m/s]
+    damped      damping of the faces along x in its half of the tank [1/s]; None without any
+    depths      depth of the water at these faces at the start [m], (nx + 1, [ny])
     """
 
     far: bool
@@ -69,7 +83,7 @@ class OpenSide(Boundary):
     response: float
     gravity: float
     grid: Grid
-    open: FloatArray  # (rows) open part of the faces
+    open: FloatArray
     wave: Wave | None = None
     wave_ramp: float = 0.0
     follows: float = 0.0
@@ -89,8 +103,8 @@ class OpenSide(Boundary):
         self.speed, self.wet = np.zeros(rows), np.zeros(tuple(2 * n for n in rows))
         self.shear = np.zeros(rows)
         self.name = f"the open {'right' if self.far else 'left'} side"
-        self.damped: FloatArray | None = None  # what damps at the faces along x in its half of the tank [1/s]
-        self.depths = np.zeros(0)  # of the water at these faces at the start [m], (nx + 1, [ny])
+        self.damped: FloatArray | None = None
+        self.depths = np.zeros(0)
 
     @classmethod
     def of(
@@ -104,11 +118,12 @@ class OpenSide(Boundary):
         open_faces: FloatArray,
         water: Particles,
     ) -> OpenSide:
-        """The right side of the tank if `far`, else the left one.
+        """The right side of the tank if `far`, else the left one; U starts as the velocity of the water near it.
 
-        prescribed  velocity [m/s], discharge [m2/s] or level [m] against time
-        response    of a level [s]; None: `CROSSINGS` of the tank by a long wave
-        open_faces  open part of the faces along x; water: at the start
+        response    [s]; None: the time of `CROSSINGS` crossings of the tank by a long wave
+        gravity     downwards [m/s2]
+        open_faces  open area fraction of all faces along x
+        water       particles at the start
         """
         depths = water.depths(grid)[-NEAR:] if far else water.depths(grid)[:NEAR]
         depth = max(float(np.mean(depths)), grid.spacing[-1])
@@ -124,29 +139,31 @@ class OpenSide(Boundary):
 
     @property
     def sign(self) -> float:
-        """Sign of an x-velocity that comes in."""
+        """Sign of the x-component of a velocity into the tank."""
         return -1.0 if self.far else 1.0
 
     @property
     def x(self) -> float:
+        """Position of the side [m]."""
         return self.grid.size[0] if self.far else 0.0
 
     @property
     def face(self) -> int:
-        """Number of its faces along x."""
+        """Number along x of the faces of the side."""
         return self.grid.shape[0] if self.far else 0
 
     @property
     def cell(self) -> int:
+        """Number along x of the cells at the side."""
         return self.grid.shape[0] - 1 if self.far else 0
 
     @property
     def area(self) -> float:
-        """Area of half a face [m^(d-1)]."""
+        """Area of a half face [m^(d-1)]: of a half in 2D, of a quarter in 3D."""
         return float(np.prod([h / 2 for h in self.grid.spacing[1:]]))
 
     def join(self, tank: Tank, boundaries: Boundaries) -> None:
-        """Learns what damps in front of it. CaseError where it is behind a wall, or a gate stands in its way."""
+        """Takes the damping in front of it. CaseError where it is behind a wall, given twice, or near a gate."""
         h = self.grid.spacing[0]
         for other in boundaries:
             if isinstance(other, OpenSide) and other is not self and other.far == self.far:
@@ -172,14 +189,14 @@ class OpenSide(Boundary):
         return {} if self.damped is None else {0: slice(0, len(self.damped))}
 
     def push(self, t: float, acceleration: Faces) -> None:
-        """Towards the flow through it, what damps in front of it; `excess` is the discharge per width [m2/s]."""
+        """Pushes the damped water in front of it towards the flow through it, by sigma U with U = excess / depth."""
         if self.damped is not None:
             acceleration[0] += self.damped * (self.sign * self.excess / self.depths)[..., None]
 
     # ---- what flows ----------------------------------------------------------------------------------------------
 
     def drive(self, tank: Tank, dt: float) -> None:
-        """Sets speed and wet for a step of dt [s] that begins at tank.time: the velocity of its middle."""
+        """Sets speed, wet, excess and shear for a step of dt [s] that begins at tank.time: those of its middle."""
         middle, level = tank.time + dt / 2, self.level(tank)
         self.wet = self._wet(level)
         shape = (*self.speed.shape[:-1], 1)
@@ -199,9 +216,9 @@ class OpenSide(Boundary):
         self.speed = np.where((self.open > 0.0) & (depth > 0.0), speed, 0.0)
 
     def _carry_shear(self, tank: Tank, dt: float, mean: float) -> None:
-        """Shear goes out with the water at the velocity -mean [m/s], or none comes in with it.
+        """Advances the shear by (32): it leaves with the water, and water that enters has none.
 
-        None in front of a relaxation zone: what it leads to the wave has no shear of its own.
+        mean: U into the tank [m/s]. A side with a relaxation zone has no shear: the zone leads the flow to the wave.
         """
         if self.wave is not None:
             return
@@ -211,7 +228,7 @@ class OpenSide(Boundary):
         self.shear = self._off_mean(tank, (1.0 - share) * self.shear + share * inside)
 
     def _off_mean(self, tank: Tank, u: FloatArray) -> FloatArray:
-        """What the velocities (rows) differ from their mean over the wet depth; above the surface as just below it."""
+        """Differences of velocities (rows) from their mean over the wet depth; above the surface as just below it."""
         top = np.where(tank.active[self.cell] > 0, np.arange(u.shape[-1]), 0)
         u = np.take_along_axis(u, np.maximum.accumulate(top, axis=-1), axis=-1)
         weight = self._wet_rows() * self.open
@@ -219,12 +236,12 @@ class OpenSide(Boundary):
         return np.where(wet > 0.0, u - (weight * u).sum(axis=-1, keepdims=True) / np.maximum(wet, 1e-300), 0.0)
 
     def _wet_rows(self) -> FloatArray:
-        """Share of each face that is under water."""
+        """Share of each face that is under water (rows)."""
         pairs = [n for row in self.speed.shape for n in (row, 2)]
         return self.wet.reshape(pairs).mean(axis=tuple(range(1, len(pairs), 2)))
 
     def prepare(self, tank: Tank) -> None:
-        """Lets water pass as it moves inside, for the first pressure; what goes out starts with its shear."""
+        """Lets water pass as it moves inside, for the first pressure; if it flows out, with its shear."""
         self.speed = self.sign * tank.velocity[0][self.face]
         self.wet = self._wet(self.level(tank))
         if self.wave is None and float(np.sum(self._wet_rows() * self.open * self.speed)) < 0.0:
@@ -237,6 +254,7 @@ class OpenSide(Boundary):
         return np.asarray(columns.mean(axis=0))
 
     def _wet(self, level: FloatArray) -> FloatArray:
+        """Share of each half face that is under water with this level [m] (halves)."""
         h = self.grid.spacing[-1] / 2
         low = np.arange(2 * self.grid.shape[-1])
         if self.grid.dimension == 3:
@@ -244,18 +262,18 @@ class OpenSide(Boundary):
         return np.clip(level / h - low, 0.0, 1.0)
 
     def halves(self, rows: FloatArray) -> FloatArray:
-        """Values of the faces at their halves."""
+        """Values (rows) of the faces, repeated on their half faces (halves)."""
         for axis in range(rows.ndim):
             rows = np.repeat(rows, 2, axis=axis)
         return rows
 
     def _depths(self) -> FloatArray:
-        """Open wet depth [m], (ny,) or () in 2D."""
+        """Depth of the open wet part of the side [m], (ny,) or () in 2D."""
         depth = (self.wet * self.halves(self.open)).sum(axis=-1) * self.grid.spacing[-1] / 2
         return depth.reshape(-1, 2).mean(axis=1) if self.grid.dimension == 3 else depth
 
     def _mean(self, t: float, depth: FloatArray) -> FloatArray | float:
-        """U into the tank [m/s]."""
+        """U at the time t [s], into the tank [m/s]; depth: of the open wet part [m]."""
         grown = float(ramp(t, self.ramp))
         if "velocity" in self.prescribed:
             return grown * self.prescribed["velocity"].at(t)
@@ -271,7 +289,10 @@ class OpenSide(Boundary):
         return grown * self.prescribed["discharge"].at(t) / mean
 
     def _outgoing(self, tank: Tank, dt: float) -> float:
-        """Elevation of what comes to the zone from inside [m]: that beyond the wave and the level outside."""
+        """Elevation [m] of long waves that come to the zone from inside, smoothed: `outgoing` after a step of dt [s].
+
+        It is the level at the end of the zone less that of the outside and of the wave.
+        """
         assert self.wave is not None
         first = max(0, min(round(self.long_from / self.grid.spacing[0]), self.grid.shape[0] - NEAR))
         levels = tank.eta[first : first + NEAR]
@@ -284,6 +305,7 @@ class OpenSide(Boundary):
         return self.outgoing
 
     def _towards_level(self, t: float, dt: float, level: FloatArray, depth: FloatArray) -> FloatArray:
+        """sqrt(g/d) (level outside - level) [m/s] of (30); where only a level is given, U follows (31) over dt [s]."""
         wanted = self.prescribed["level"].at(t)
         if self.wave is not None:
             wanted += float(ramp(t, self.wave_ramp)) * float(self.wave.elevation(self.x, t))
@@ -301,16 +323,17 @@ class OpenSide(Boundary):
         tank.work.rhs[self.cell] += np.where(tank.active[self.cell], flux, 0.0)
 
     def impose(self, tank: Tank) -> None:
-        """Gives the faces their velocity, below and above the surface."""
+        """Gives the faces their velocity, below the surface and above it."""
         tank.velocity[0][self.face] = self.sign * self.speed
         tank.work.valid[0][self.face] = 1
 
     def power(self, tank: Tank) -> float:
-        """Power of the pressure on what comes in, less that on what goes out, over the density [m^d m2/s3]."""
+        """Power of the pressure on the water that enters, less that on what leaves, over the density [m^d m2/s3]."""
         force = np.where(tank.active[self.cell], tank.pressure[self.cell] * self.open * self.speed, 0.0)
         return float(force.sum()) * self.area * 2 ** (self.grid.dimension - 1)
 
     def exchange(self, tank: Tank, dt: float) -> None:
+        """Lets in and takes out exactly the volume that passes the faces in a step of dt [s]."""
         slices = _Slices.of(self, dt)
         _take(tank, self, slices)
         _let_in(tank, self, slices, dt)
@@ -328,10 +351,11 @@ class OpenSide(Boundary):
 
 @dataclass
 class _Slices:
-    """What passes each half face in a step, flat over the half faces.
+    """The slices of water that pass the R half faces of a side in a step, as flat arrays.
 
-    volume (R,) [m^d], positive in; wet (R,) share of the half face that it fills, up to 1 + THIN; bottom (R,) of the
-    half face [m].
+    volume  (R,) volume that enters [m^d], negative if it leaves
+    wet     (R,) share of the half face that the slice fills, up to 1 + `THIN`
+    bottom  (R,) height of the lower end of the half face [m]
     """
 
     volume: FloatArray
@@ -351,7 +375,7 @@ class _Slices:
 
 
 def _near(tank: Tank, side: OpenSide, reach: float) -> tuple[NDArray[np.intp], FloatArray, NDArray[np.intp]]:
-    """Particles within `reach` cells of the side: numbers, distances from it [m], flat numbers of their half faces."""
+    """Particles within `reach` cells of the side: their numbers, distances from it [m], numbers of their half faces."""
     p, h = tank.particles, side.grid.spacing
     distance = np.abs(p.position[:, 0] - side.x)
     chosen = np.flatnonzero(distance < reach * h[0])
@@ -363,7 +387,7 @@ def _near(tank: Tank, side: OpenSide, reach: float) -> tuple[NDArray[np.intp], F
 
 
 def _take(tank: Tank, side: OpenSide, slices: _Slices) -> None:
-    """Takes out what goes out, first from each row what passes its half face, the rest from any particle nearby."""
+    """Takes out the water that leaves: from each row the slice of its half face, the rest from any particle nearby."""
     demand = np.maximum(-slices.volume, 0.0)
     total = float(demand.sum()) + side.owed
     if total <= 0.0:
@@ -383,7 +407,7 @@ def _take(tank: Tank, side: OpenSide, slices: _Slices) -> None:
     gone = left <= 0.0
     went = float(taken.sum())
     side.went, side.owed = side.went + went, max(0.0, total - went)
-    strip = side.area * np.maximum(slices.wet[row], THIN)  # its section
+    strip = side.area * np.maximum(slices.wet[row], THIN)  # section of the water that a particle stands for
     stopped = distance < EDGE * side.grid.spacing[0]
     distance = np.where(stopped, left / (2 * strip), distance + taken / (2 * strip))
     changed = taken > 0.0
@@ -396,7 +420,10 @@ def _take(tank: Tank, side: OpenSide, slices: _Slices) -> None:
 
 
 def _first(volume: FloatArray, group: NDArray[np.intp], demand: FloatArray) -> FloatArray:
-    """What each gives when those of a group are asked in turn for the demand of the group; groups stand together."""
+    """Volumes (N,) that particles give when those of a group are asked in turn for the demand of the group.
+
+    volume (N,) of the particles; group (N,) their numbers, equal ones side by side; demand (N,) that of their group.
+    """
     if len(volume) == 0:
         return volume
     before = np.cumsum(volume) - volume
@@ -406,7 +433,7 @@ def _first(volume: FloatArray, group: NDArray[np.intp], demand: FloatArray) -> F
 
 
 def _let_in(tank: Tank, side: OpenSide, slices: _Slices, dt: float) -> None:
-    """Lets in what comes in: to the first particle of each row while that is not full, else as a new one."""
+    """Lets in the water that enters: it joins the first particle of its row, or is a new one if that is full."""
     rows = np.flatnonzero(slices.volume > 0.0)
     if len(rows) == 0:
         return
@@ -433,7 +460,7 @@ def _let_in(tank: Tank, side: OpenSide, slices: _Slices, dt: float) -> None:
 
 
 def _middles(side: OpenSide, slices: _Slices, rows: NDArray[np.intp]) -> FloatArray:
-    """Middles (R, d) of the wet parts of half faces [m]; x is that of the side."""
+    """Middles (K, d) of the wet parts of the half faces with these numbers (K,) [m]; x is that of the side."""
     h = side.grid.spacing
     at = np.full((len(rows), len(h)), side.x)
     at[:, -1] = slices.bottom[rows] + slices.wet[rows] * h[-1] / 4
@@ -443,7 +470,7 @@ def _middles(side: OpenSide, slices: _Slices, rows: NDArray[np.intp]) -> FloatAr
 
 
 def _velocity(tank: Tank, side: OpenSide, position: FloatArray) -> FloatArray:
-    """Velocity of the water in the cells at the side, along it, linear between faces; across the side it is left 0."""
+    """Velocity (N, d) along the side of the water in its cells [m/s], linear between faces; 0 across the side."""
     h, shape = side.grid.spacing, side.grid.shape
     cell = [np.clip((position[:, a] / h[a]).astype(np.intp), 0, shape[a] - 1) for a in range(1, len(h))]
     velocity = np.zeros_like(position)
@@ -466,7 +493,7 @@ def _make(
     ramp: float,
     response: float | None,
 ) -> OpenSide:
-    """The left side belongs to the wave that a relaxation zone makes."""
+    """The side of a case; a left one takes part in the wave of a relaxation zone, if there is one."""
     far, faces = side == "right", medium.open_faces[0].astype(float)
     made = OpenSide.of(far, prescribed, ramp, response, case.gravity, grid, faces, water)
     if case.zone is not None and not far:

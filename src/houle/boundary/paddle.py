@@ -1,9 +1,10 @@
-"""A vertical wall that moves along x, from floor to lid and across the whole tank: piston wave maker, absorbing wall.
+"""A paddle: a vertical wall that moves along x, from floor to lid and across the tank; a wave maker or an absorber.
 
-It stands anywhere between the faces of the grid. Of the column of cells that it cuts a share is left: that share of its
-upright faces and of its volume. The faces towards it are closed to the pressure and carry the flux of the wall, so that
-what it sweeps is what the water gives or takes. Particles have mirror images behind it where fill and levels are
-summed, and are kept in front of it; so nothing of the cut column is small. Behind it is no water.
+It stands anywhere between the faces of the grid, and cuts one column of cells. A share of the volume of this column,
+and of its faces along the wall, is open to the water. The faces of the column towards the wall are closed to the
+pressure and carry the flux of the wall, so that the water gives way by exactly the volume that the wall sweeps. Sums
+over particles, for fill and levels, count their mirror images behind the wall as well, so that nothing is divided by
+the open share. Particles are kept in front of the wall; behind it there is no water. Section 14 of docs/theory.md.
 """
 
 from __future__ import annotations
@@ -19,48 +20,55 @@ from houle.flow.component import Component, State
 from houle.flow.particles import Particles
 from houle.grid import FloatArray, Grid, SingleFaces
 
-ROOM = 3  # cells between a paddle and the sides of the tank, or a gate: its mirror images need them
-LEEWAY = 40  # cells in front of a paddle over which the lattice of the particles gives way to it
-SLIVER = 1e-6  # of a cell: what is less of a column is closed
-THIN = 0.02  # of a cell: in a thinner column the velocity is not led on behind the paddle
+ROOM = 3  # cells between a paddle and the sides of the tank or a gate: the mirror images need them
+LEEWAY = 40  # cells in front of a paddle over which particles are shifted for a remeshing
+SLIVER = 1e-6  # cells: a paddle so near to a face stands on it
+THIN = 0.02  # open share of the column: a smaller one counts as this when the velocity is extrapolated over it
 CLEARANCE = 1e-9  # cells between a particle and the paddle
 
 
 class Command(Component):
-    """What moves a paddle."""
+    """The control of a paddle: tells it how far to go in each step."""
 
     @abstractmethod
     def way(self, tank: Tank, paddle: Paddle, dt: float) -> float:
-        """How far it goes in the step of dt [s] that begins [m]."""
+        """Displacement of the paddle in the step of dt [s] that begins now [m], positive towards larger x."""
 
     def notice(self, tank: Tank, paddle: Paddle) -> None:
-        """Reads the pressure on its face, just found."""
+        """Takes notice of the pressure on the face of the paddle, when it was just found; nothing by default."""
 
 
 class Paddle(Boundary):
-    """rest, x: position at rest and now [m]; water: +1 where the water is to the right, -1 to the left.
+    """A wall that moves as its command says.
 
-    velocity: mean over the present step [m/s]; column, share: number of the cut column, its open share.
+    rest, x   position at rest and now [m]
+    water     +1 if the water is on its right, at larger x, -1 if on its left
+    way       displacement in the present step [m], 0 once it is done; velocity: the mean over the step [m/s]
+    column    number along x of the column of cells that it cuts; share: the open share of that [-]
+    behind    range of the columns behind it; face: number of the face of the cut column on the side of the wall
+    inner     number of the other face of the cut column
+    ahead     x of the nearest gate in front of it [m], None without; between: limits of its position [m]
+    leeway    length in front of it over which particles are shifted for a remeshing [m]
     """
 
     def __init__(self, name: str, grid: Grid, rest: float, water: int, command: Command) -> None:
         self.name, self.grid, self.rest, self.water, self.command = name, grid, rest, water, command
         self.x, self.velocity = rest, 0.0
-        self.way = 0.0  # of the present step [m]
+        self.way = 0.0
         self._cut()
 
     # ---- where it stands -----------------------------------------------------------------------------------------
 
     def join(self, tank: Tank, boundaries: Boundaries) -> None:
-        """Takes the water behind it out of the tank. CaseError where something else stands behind it, or too near."""
+        """Removes the water behind it. Raises CaseError where something stands behind it, or too near to it."""
         h = self.grid.spacing[0]
         self._refuse(boundaries)
         gates = [x for boundary in boundaries for x, _ in boundary.gates()]
-        self.ahead = min(gates, key=lambda x: self.water * x, default=None)  # the gate before it [m]
+        self.ahead = min(gates, key=lambda x: self.water * x, default=None)
         low, high = ROOM * h, self.grid.size[0] - ROOM * h
         if self.ahead is not None:
             low, high = (low, self.ahead - ROOM * h) if self.water > 0 else (self.ahead + ROOM * h, high)
-        self.between = low, high  # where it may stand [m]
+        self.between = low, high
         if not low <= self.rest <= high:
             raise CaseError(
                 f"{self.name} at x = {self.rest:g} m needs {ROOM} cells, {ROOM * h:.3g} m, between it and the sides of "
@@ -71,7 +79,7 @@ class Paddle(Boundary):
         self.leeway = self._clear(tank) * h
 
     def _refuse(self, boundaries: Boundaries) -> None:
-        """CaseError where it would part the tank in two, or where something stands behind it."""
+        """Raises CaseError where another wall closes the same end of the water, or something stands behind it."""
         for other in boundaries:
             for _, water in other.images():
                 if other is not self and water == self.water:
@@ -82,7 +90,10 @@ class Paddle(Boundary):
                     raise CaseError(f"{other.name} at x = {x:g} m is behind {self.name}, where no water is: remove one")
 
     def _clear(self, tank: Tank) -> int:
-        """Cells in front of it that are like those at its face, LEEWAY at most."""
+        """Number of cells in front of it over which particles can be shifted: 1 to `LEEWAY`.
+
+        They end where bodies or solids change, or halfway to the end of the tank.
+        """
         body = tank.medium.body.reshape(2 * self.grid.shape[0], -1)[:: self.water]
         first = round(2.0 * self.rest / self.grid.spacing[0])
         ahead = body[first:] if self.water > 0 else body[len(body) - first :]
@@ -90,7 +101,7 @@ class Paddle(Boundary):
         return max(1, min(LEEWAY, (int(other[0]) if len(other) else len(ahead) // 2) // 2))
 
     def _cut(self) -> None:
-        """The column that it cuts where it stands, and what is in front of that and behind it."""
+        """Sets column, share, behind, face and inner for the place where it stands."""
         at = self.x / self.grid.spacing[0]
         if self.water > 0:
             column = int(np.floor(at + SLIVER))
@@ -118,7 +129,7 @@ class Paddle(Boundary):
         return [(self.x, float(self.water))]
 
     def dry(self, tank: Tank) -> None:
-        """No water behind it."""
+        """Marks the columns behind it as dry."""
         tank.active[self.behind] = 0
         tank.eta[self.behind] = np.nan
 
@@ -133,7 +144,10 @@ class Paddle(Boundary):
         tank.work.rhs[self.column] += tank.active[self.column] * flux
 
     def impose(self, tank: Tank) -> None:
-        """Led on linearly behind the paddle, so that it is its own velocity where it stands. Reads the pressure."""
+        """Sets the velocity of the face behind it by linear extrapolation, so that it is that of the paddle at x.
+
+        Then lets the command read the pressure.
+        """
         u, known = tank.velocity[0], tank.work.valid[0]
         lead = 1.0 / max(self.share, THIN)
         led = u[self.inner] + lead * (self.velocity - u[self.inner])
@@ -157,10 +171,10 @@ class Paddle(Boundary):
                 diagnosis="A moving wall that absorbs goes as far as the waves take it: give it more room.",
             )
 
-    # ---- when the particles are made anew ------------------------------------------------------------------------
+    # ---- around a remeshing --------------------------------------------------------------------------------------
 
     def to_lattice(self, particles: Particles) -> None:
-        """By up to a quarter of a cell at the paddle and less and less in front of it, nothing from `_reach` on."""
+        """Shifts particles by up to a quarter of a cell at the paddle, and ever less up to `_reach` in front of it."""
         x, reach = particles.position[:, 0], self._reach
         gap = reach - np.clip(self.water * (x - self.x), 0.0, reach)
         x += (self._node_at - self.x) * gap / reach
@@ -175,15 +189,17 @@ class Paddle(Boundary):
 
     @property
     def _reach(self) -> float:
-        """How far in front of it the lattice gives way to it [m]: not beyond a gate, which nothing may pass."""
+        """Length in front of it over which particles are shifted [m]: not beyond a gate, which nothing may pass."""
         return self.leeway if self.ahead is None else min(self.leeway, abs(self.ahead - self.x))
 
     @property
     def _node_at(self) -> float:
+        """Place midway between two nodes of the lattice of particles that is nearest to it [m]."""
         h = self.grid.spacing[0]
         return 0.5 * round(2.0 * (self.x / h)) * h
 
     def _keep(self, x: FloatArray, wall: float) -> None:
+        """Keeps positions x (N,) [m] in front of a wall [m], in place."""
         margin = CLEARANCE * self.grid.spacing[0]
         if self.water > 0:
             np.maximum(x, wall + margin, out=x)

@@ -1,7 +1,8 @@
-"""A relaxation zone: the flow is led towards a wave, the harder the further in.
+"""A relaxation zone: leads the flow towards a wave of theory, the more firmly the nearer to the wall.
 
-What it leads with is an acceleration; what it damps with is a linear resistance, which enters the implicit drag with
-the pressure and limits no time step.
+It adds sigma (s u_wave - u) to the acceleration of the water, (26) in docs/theory.md. The part sigma s u_wave is a push
+on the faces. The part -sigma u is a linear resistance, which enters the implicit drag, solved together with the
+pressure, and so limits no time step.
 """
 
 from __future__ import annotations
@@ -18,31 +19,39 @@ from houle.grid import Faces, FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.waves.wave import Wave, WaveError, ramp
 
-FIRM, HARD = 2.0, 8.0  # of a zone where it begins to damp, in the strength of a sponge; and at the wall, in that
+FIRM, HARD = 2.0, 8.0  # sigma_m over that of a sponge as long; factor of xi^6 beside xi^2 where a wall stands
 
 
 @dataclass(eq=False)
 class RelaxationZone(Boundary):
-    """The flow is led towards the wave, the harder the further in: du/dt = ... + sigma (u_wave - u).
+    """Leads the flow towards the wave: du/dt = ... + sigma (s u_wave - u), sigma = sigma_m (xi^2 + 8 xi^6).
 
-    What comes back from the structure is damped on its way in, by a sigma that grows gently enough to send little back.
-    Where the zone begins at a wall, the wave of theory would cross it: over the first third the wave grows from
-    nothing, so that the water it needs comes from the level there, and sigma grows faster, so that the flow follows. An
-    open side lets the wave pass, and needs neither. The vertical velocity is what continuity asks for.
+    xi is 0 at the end of the zone where the waves leave it and 1 at its start. Waves that come back from the structure
+    are damped on their way in, by a sigma that grows gently enough to reflect little.
 
-    faces, cells  of axis 0, those it covers
+    Where the zone starts at a wall, the wave of theory cannot cross it. So the share s of the wave grows from 0 to 1
+    over the first third, where the water that the wave needs comes from the level, and sigma has its second term, so
+    that the flow follows. An open side lets the wave pass: there s is 1 and the second term is left out. The vertical
+    velocity is the one that continuity asks for with the horizontal one.
+
+    faces, cells  ranges along x of the faces and of the cells that it covers
+    x, z          positions of these faces, and of the cell centres along the last axis [m]
+    steep         spacing of the last axis over that of the first [-]
+    sigma         sigma on these faces and at the centres of these cells [1/s]
+    share         s on these faces [-]
+    duration      time in which the wave grows from nothing [s]; up: number of the last axis
     """
 
     wave: Wave
     faces: slice
     cells: slice
-    x: FloatArray  # of the faces of axis 0 [m]
-    z: FloatArray  # of the centres along the last axis [m]
-    steep: float  # spacing of the last axis over that of axis 0
-    sigma: tuple[FloatArray, FloatArray]  # on faces and centres [1/s]
-    share: FloatArray  # of the wave, on faces, 0 at a wall
+    x: FloatArray
+    z: FloatArray
+    steep: float
+    sigma: tuple[FloatArray, FloatArray]
+    share: FloatArray
     duration: float
-    up: int  # the last axis
+    up: int
 
     def push(self, t: float, acceleration: Faces) -> None:
         grown = float(ramp(t, self.duration))
@@ -58,7 +67,10 @@ class RelaxationZone(Boundary):
 
     @classmethod
     def of(cls, x: tuple[float, float], wave: Wave, grid: Grid, duration: float, wall: bool = True) -> RelaxationZone:
-        """Between x[0], where the wave is complete, and x[1] [m]; wall: whether the side of the tank is a wall."""
+        """The zone from x[0], at the side of the tank, to x[1] [m]. Raises WaveError for oblique waves.
+
+        wall: True where this side of the tank is a wall, False where it is open.
+        """
         start, end = x
         h, n = grid.spacing[0], grid.shape[0]
         if grid.dimension == 3 and wave.direction:
@@ -78,7 +90,7 @@ class RelaxationZone(Boundary):
         )  # fmt: skip
 
     def join(self, tank: Tank, boundaries: Boundaries) -> None:
-        """CaseError where a moving wall stands in it: the wave of theory goes through it from its start to its end."""
+        """Raises CaseError where a moving wall or another zone stands in it: the wave of theory would go through it."""
         h = tank.grid.spacing[0]
         low, high = self.faces.start * h, (self.faces.stop - 1) * h
         for other in boundaries:
@@ -102,7 +114,7 @@ class RelaxationZone(Boundary):
 
 
 def smooth(s: FloatArray) -> FloatArray:
-    """0 below 0, 1 above 1, smooth between (two continuous derivatives)."""
+    """Smooth step: 0 for s below 0, 1 above 1, between them a polynomial with two continuous derivatives."""
     s = np.clip(s, 0, 1)
     return s**3 * (10 - 15 * s + 6 * s**2)
 
@@ -117,8 +129,8 @@ def _make(
 BOUNDARIES.add(
     BoundaryKind(
         "zone",
-        "Relaxation zone at the left wall, one and a half wavelengths: every wave of theory along x, takes up what "
-        "comes back.",
+        "Relaxation zone at the left wall, one and a half wavelengths: makes every wave of theory along x, and absorbs "
+        "the waves that come back.",
         "after Jacobsen, Fuhrman & Fredsoe (2012)",
         _make,
         place=4,

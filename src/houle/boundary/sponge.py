@@ -1,6 +1,8 @@
-"""Sponges: a linear resistance that grows towards a side of the tank and takes up the waves that go there.
+"""Sponges: a linear resistance that grows towards a side of the tank and absorbs the waves that travel there.
 
-It enters the implicit drag with the pressure, and limits no time step.
+The rate of a sponge is sigma = sigma_m xi^2 [1/s]; xi is the share of the way from its inner edge to the side of the
+tank, (27) in docs/theory.md. The resistance enters the implicit drag, solved together with the pressure, and so limits
+no time step.
 """
 
 from __future__ import annotations
@@ -14,15 +16,16 @@ from houle.flow.particles import Particles
 from houle.grid import Faces, FloatArray, Grid
 from houle.medium.medium import Medium
 
-LEFT_OVER = 0.003  # of the amplitude of a wave that went through a sponge and back
+LEFT_OVER = 0.003  # share of the amplitude of a wave that comes back through the sponge, by default
 
-Box = tuple[tuple[float, ...], tuple[float, ...]]
+Corners = tuple[tuple[float, ...], tuple[float, ...]]  # lower and upper corner [m]
 
 
-def sides(box: Box, size: tuple[float, ...], near: float) -> list[tuple[int, bool]]:
-    """(horizontal axis, at its far end) of the sides of the tank that a box touches, `near` [m] being touched.
+def sides(box: Corners, size: tuple[float, ...], near: float) -> list[tuple[int, bool]]:
+    """Sides of the tank that a box touches: pairs (horizontal axis, True for the side at the far end of it).
 
-    An axis along which the box goes from side to side does not count: nothing goes that way.
+    A side that is no farther than `near` [m] counts as touched. An axis along which the box reaches from side to side
+    does not count: the sponge does not grow that way. size: of the tank [m].
     """
     low, high = box
     found = []
@@ -33,8 +36,8 @@ def sides(box: Box, size: tuple[float, ...], near: float) -> list[tuple[int, boo
     return found
 
 
-def way_in(box: Box, points: FloatArray, grid: Grid) -> FloatArray:
-    """Share of the way from the edge of the sponge to the side of the tank at points (..., d); 0 outside the box."""
+def way_in(box: Corners, points: FloatArray, grid: Grid) -> FloatArray:
+    """xi at points (..., d) [m]: share of the way from the edge of the sponge to the side of the tank; 0 outside it."""
     low, high = (np.asarray(corner) for corner in box)
     margin = 1e-9 * min(grid.spacing)
     inside = np.all((points >= low - margin) & (points <= high + margin), axis=-1)
@@ -45,30 +48,31 @@ def way_in(box: Box, points: FloatArray, grid: Grid) -> FloatArray:
     return np.where(inside, np.clip(way, 0, 1), 0.0)
 
 
-def way_length(box: Box, grid: Grid) -> float:
-    """How far it is through the sponge to the side of the tank [m], the shortest way."""
+def way_length(box: Corners, grid: Grid) -> float:
+    """Length of the sponge towards the side of the tank [m]; the shortest if it touches several sides."""
     low, high = box
     return min(high[a] - low[a] for a, _ in sides(box, grid.size, min(grid.spacing) / 2))
 
 
 def damping(group_velocity: float, length: float) -> float:
-    """The largest rate sigma [1/s] of a sponge of this length [m] that grows with the square of the way into it.
+    """Largest rate sigma_m [1/s] of a sponge of this length [m], such that `LEFT_OVER` of a wave comes back: (27).
 
-    A wave that goes in and comes back keeps exp(-sigma length / (3 c_g)) of its amplitude: LEFT_OVER. Uniform over
-    the depth, it slows water down at the rate sigma and takes half of that from the amplitude, both ways.
+    A wave that goes in and comes back keeps exp(-sigma_m length / (3 c_g)) of its amplitude, c_g its group velocity
+    [m/s]: a resistance that is uniform over the depth slows the water down at the rate sigma, which takes half of that
+    from the amplitude, and the mean of xi^2 is 1/3.
     """
     return -3 * log(LEFT_OVER) * group_velocity / length
 
 
 def left_over(strength: float, group_velocity: float, length: float) -> float:
-    """Share of the amplitude of a wave that a sponge of this strength [1/s] lets come back: `damping` backwards."""
+    """Share of the amplitude of a wave that a sponge of this strength [1/s] lets come back; inverse of `damping`."""
     return exp(-strength * length / (3 * group_velocity))
 
 
 class Sponge(Boundary):
-    """Slows the water of a box down at `strength` [1/s] times the square of the way into it."""
+    """Slows the water in a box down at the rate strength xi^2 [1/s]. strength: sigma_m [1/s]."""
 
-    def __init__(self, grid: Grid, box: Box, strength: float, name: str = "sponge") -> None:
+    def __init__(self, grid: Grid, box: Corners, strength: float, name: str = "sponge") -> None:
         self.grid, self.box, self.strength, self.name = grid, box, strength, name
 
     def resist(self, rate: Faces) -> None:
@@ -77,9 +81,9 @@ class Sponge(Boundary):
 
 
 def _make(
-    case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, name: str, box: Box, strength: float | None
+    case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, name: str, box: Corners, strength: float | None
 ) -> Sponge:
-    """As strong as asked for, or as takes up the waves that are made, or long waves."""
+    """The sponge of a case: as strong as given, else to absorb the waves that are made, or long waves without any."""
     highest = float(water.position[:, -1].max())
     speed = sqrt(case.gravity * highest) if case.wave is None else case.wave.group_velocity
     return Sponge(grid, box, strength or damping(speed, way_length(box, grid)), name)

@@ -1,4 +1,4 @@
-"""What a case lets act on the water, and where along the flume: makers of waves, sponges, moving walls."""
+"""Parts of the flume in which a case acts on the water: makers of waves, sponges, moving walls and their reach."""
 
 from __future__ import annotations
 
@@ -12,14 +12,17 @@ from houle.case.tables.waves import Piston, Waves, Zone
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
-NEARBY = 3.0  # depths in front of a piston where the water is to be even
-GIVES = 0.5  # of the way that a wave itself moves the water: an absorbing piston is taken to need this and more
+NEARBY = 3.0  # depths in front of a piston over which the depth has to be even
+GIVES = 0.5  # share of half its stroke that an absorbing piston is expected to move further to each side
 
-Reach = tuple[float, float]
+Reach = tuple[float, float]  # least and largest x [m]
 
 
 def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
-    """How the piston of a case moves, what it reads, and where it stands at rest [m]. Raises CaseError."""
+    """The law by which the piston of a case moves, its reading of the pressure, and its place at rest [m].
+
+    Raises CaseError for waves that a piston cannot make.
+    """
     waves = case.waves
     assert waves is not None and waves.piston is not None
     rest = case.domain.grid.nearest_face(waves.piston.x)
@@ -28,14 +31,14 @@ def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
 
 
 def source_of(table: Waves, wave: Wave) -> Source:
-    """The source of [waves], its width known."""
+    """The source of [waves], with its width even where the case gives none."""
     given = table.source
     assert given is not None
     return Source(given.x, source_width(given.width, table.kind, wave), given.form, given.side)
 
 
 def reach(case: Case, wave: Wave) -> Reach:
-    """Left and right end of the water that the maker of waves acts on [m]."""
+    """Ends of the interval along x in which the maker of waves acts [m]; for a piston, that in front of it."""
     assert case.waves is not None
     maker = case.waves.maker
     if isinstance(maker, Zone):
@@ -48,10 +51,12 @@ def reach(case: Case, wave: Wave) -> Reach:
 
 @dataclass(frozen=True)
 class MovingWall:
-    """A piston or absorbing wall: its key in the case file, and the space that it needs along x.
+    """A piston or an absorbing wall, and the space that it needs along x.
 
-    rest is its place at rest [m], water the side of the water (1 right, -1 left), way how far it goes to the left
-    and to the right [m].
+    key    its key in the case file
+    rest   its place at rest [m]
+    water  side of the water: 1 for the right, -1 for the left
+    way    furthest displacements that are expected, to the left (negative) and to the right [m]
     """
 
     key: str
@@ -87,7 +92,7 @@ def moving_walls(case: Case, wave: Wave | None, depth: float) -> list[MovingWall
 
 
 def _yields(wave: Wave | None, depth: float) -> tuple[float, float]:
-    """Distances by which an absorbing wall gives way and comes forward [m]; a single wave pushes it on."""
+    """Expected distances by which an absorbing wall gives way and comes forward [m]; a single wave pushes it away."""
     if wave is None:
         return 0.1 * depth, 0.1 * depth
     if wave.components() is None:
@@ -98,7 +103,7 @@ def _yields(wave: Wave | None, depth: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Band:
-    """Something that acts on the water between two places x [m]: its name, and the hatch that pictures show it by."""
+    """A part of the flume, between two places x [m], where something acts: its name, and its hatch in pictures."""
 
     low: float
     high: float

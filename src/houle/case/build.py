@@ -3,8 +3,8 @@
     Simulation(build(case), threads)
 
 This is the one place that knows both sides: nothing under flow, medium, boundary, waves or observe reads a table, and
-no table computes. What stands in a tank is built when its flow is (a run builds its flow anew on a higher grid), so
-boundaries and observers are functions here.
+no table computes. A run may build its flow anew on a higher grid, and boundaries and observers with it: so the setup
+holds functions that make these.
 """
 
 from __future__ import annotations
@@ -38,8 +38,9 @@ ALWAYS: tuple[type[Observer[Any]], ...] = (PaddlePositions, LedgerRow)  # observ
 
 
 def build(case: Case) -> Setup:
-    """The physics of a case. Raises CaseError where a file that it names, or its wave, cannot be had, and where its
-    cells are too many.
+    """The physics of a case.
+
+    Raises CaseError if a file that it names cannot be read, if no theory gives its wave, and if it has too many cells.
     """
     _require_numbers(case.domain.grid)
     d, wave = case.dimension, case.wave
@@ -65,7 +66,7 @@ def build(case: Case) -> Setup:
 
 
 def _require_numbers(grid: Grid) -> None:
-    """Raises CaseError where there are more cells than the core can number, before memory is asked for."""
+    """Raises CaseError if the grid has more cells than the core can number, before memory is asked for."""
     cells = math.prod(grid.shape)
     if cells > MOST_NUMBERS:
         finer = min(grid.spacing) * (1.01 * cells / MOST_NUMBERS) ** (1 / grid.dimension)
@@ -76,8 +77,9 @@ def _require_numbers(grid: Grid) -> None:
 
 
 def first_rows(case: Case) -> int:
-    """Rows of cells to start with. The whole domain where waves are made or sides are open or move: they reach over its
-    height.
+    """Number of rows of cells with which a run starts (`houle.flow.rows`).
+
+    All rows of the domain where waves are made, or where sides are open or move: these reach over its whole height.
     """
     grid = case.domain.grid
     if case.waves is not None or any(BOUNDARIES[key].full_height for key, _ in case.standing):
@@ -90,12 +92,12 @@ def first_rows(case: Case) -> int:
 
 def viscous_step(case: Case) -> float:
     """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
-    held = any(map(any, case.domain.walls.no_slip(case.dimension)))
-    return longest_step(case.domain.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020", held)
+    no_slip = any(map(any, case.domain.walls.no_slip(case.dimension)))
+    return longest_step(case.domain.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020", no_slip)
 
 
 def _boundaries(case: Case, wave: Wave | None) -> tuple[Make, ...]:
-    """What makes the boundaries, in the order of `BoundaryKind.place`."""
+    """Functions that make the boundaries, in the order of `BoundaryKind.place`."""
     waves = case.waves
     rest = Surroundings(
         gravity=case.fluid.gravity,
@@ -114,7 +116,7 @@ def _boundaries(case: Case, wave: Wave | None) -> tuple[Make, ...]:
 
 
 def maker(case: Case, waves: Waves, wave: Wave) -> tuple[str, dict[str, Any]]:
-    """The kind of boundary that makes the waves, and what it is made from."""
+    """The kind of boundary that makes the waves, and the arguments of its `make`."""
     if waves.piston is not None:
         law, read, rest = law_of_piston(case, wave)
         return "piston", {"rest": rest, "law": law, "read": read, "absorb": waves.piston.absorb}
@@ -123,12 +125,13 @@ def maker(case: Case, waves: Waves, wave: Wave) -> tuple[str, dict[str, Any]]:
     return "source", {"source": source_of(waves, wave), "kind": waves.kind, "current": waves.current}
 
 
-# ---- what is observed -----------------------------------------------------------------------------------------------
+# ---- observables ----------------------------------------------------------------------------------------------------
 
 
 def asked_by_tables() -> dict[str, type[Observer[Any]]]:
-    """The observers that tables of the case file ask for, by the key of the table: those of every file of
-    `houle.observe`, and others that have been defined.
+    """The classes of observers by the key of the table that asks for them.
+
+    They are those of every file of `houle.observe`, and others that a user has defined.
     """
     for module in pkgutil.iter_modules(observe.__path__, "houle.observe."):
         import_module(module.name)
@@ -149,14 +152,14 @@ def site_of(case: Case) -> Site:
 
 
 def instruments(case: Case) -> tuple[Instruments, ...]:
-    """Everything that a case observes: what its tables say, its moving walls, and the ledger."""
+    """All instruments of a case, by kind: those of its tables, its moving walls, and the ledger."""
     site = site_of(case)
     asked = (asked_for(case, key, site) for key in case.observed())
     return (*(kind for kind in asked if kind.them), *_always(case, site))
 
 
 def asked_for(case: Case, key: str, site: Site) -> Instruments:
-    """The instruments of the tables [[key]]: each has the keys of its table."""
+    """The instruments that the tables [[key]] ask for; an instrument has the keys of its table."""
     observer = asked_by_tables()[key]
     rows = ({name: getattr(row, name) for name in type(row).model_fields} for row in getattr(case, key))
     return Instruments(observer, tuple(observer.instrument(**row) for row in rows), site)

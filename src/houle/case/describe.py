@@ -1,6 +1,7 @@
-"""What `houle describe TOPIC` prints: every choice the case file offers, and every design formula, with its source.
+"""The output of `houle describe TOPIC`: every choice of the case file and every design formula, with its source.
 
-The words of a choice stand in its row (`houle.registry`), those of a quantity with its observer (`houle.observe`).
+The description of a choice stands in its row (`houle.registry`), that of a quantity with its observer
+(`houle.observe`).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from rich.table import Table
 from houle.fields import Field
 from houle.registry import choices
 
-Rows = Mapping[str, tuple[str, str]]
+Rows = Mapping[str, tuple[str, str]]  # name -> description, source
 
 OTHERS: Rows = {
     "correction": (
@@ -44,7 +45,7 @@ p + rho u^2/2 is continuous, and water that enters a body without friction gains
 
 
 def resistance(console: Console) -> None:
-    """The laws with their published coefficients and ranges."""
+    """Prints the laws of resistance with their published coefficients and ranges."""
     console.print(RESISTANCE, highlight=False, soft_wrap=True, markup=False)
     table = _table("law", "formula and coefficients", "range measured", "source")
     for name, law in choices("law").items():
@@ -56,7 +57,7 @@ def resistance(console: Console) -> None:
 
 
 def numerics(console: Console) -> None:
-    """The two schemes key by key, then every choice."""
+    """Prints the schemes key by key, then every choice of [numerics]."""
     schemes = choices("scheme")
     console.print(_table_of("scheme"))
     keys = list(schemes["houle"].takes)
@@ -85,7 +86,7 @@ def everything_written() -> Iterator[Field]:
 
 
 def fields(console: Console) -> None:
-    """Everything a run writes."""
+    """Prints every quantity that a run writes."""
     table = _table("name", "symbol", "unit", "place", "what it is")
     for f in everything_written():
         unit = f.unit + (f" (2D: {f.unit_2d})" if f.unit_2d else "")
@@ -94,7 +95,7 @@ def fields(console: Console) -> None:
 
 
 def schema(console: Console) -> None:
-    """JSON Schema of the case file, nothing else on the output."""
+    """Prints the JSON Schema of the case file and nothing else, for programs that read it."""
     from houle.case.model import schema as make
 
     console.file.write(json.dumps(make(), indent=2) + "\n")
@@ -127,12 +128,12 @@ def _rows(key: str, rows: Rows) -> Table:
 
 
 def _table_of(kind: str) -> Table:
-    """The rows of a kind of choice: name, what it is, source."""
+    """A table of a kind of choice: name, description, source."""
     return _rows(kind, {name: (row.what, row.source) for name, row in choices(kind).items()})
 
 
 def theories(console: Console) -> None:
-    """Wave theories and the waves that a case can have, with range and source."""
+    """Prints wave theories, and the kinds of waves that a case can have, with range and source."""
     table = _table("wave", "what it is", "where it holds", "source")
     for name, row in (*choices("theory").items(), *choices("waves").items()):
         table.add_row(name, escape(row.what), escape(row.range), escape(row.source))
@@ -142,7 +143,7 @@ def theories(console: Console) -> None:
 
 
 def makers(console: Console) -> None:
-    """What makes waves, damps them, lets water through or moves: tables of the case file, or of [waves]."""
+    """Prints the boundaries: makers of waves, dampers, open sides and moving walls, by their tables."""
     from houle.case.model import Case
 
     named = {f"[[{name}]]" if name in Case.model_fields else name: row for name, row in choices("boundary").items()}
@@ -157,7 +158,7 @@ FORMULAS = (
 
 
 def formulas(console: Console) -> None:
-    """The design formulas: what each gives, where it holds, where it comes from."""
+    """Prints the design formulas with description, range and source."""
     console.print(FORMULAS, highlight=False, markup=False)
     for name, row in choices("formula").items():
         console.print(f"\n[bold]{name}[/]", highlight=False)
@@ -165,7 +166,7 @@ def formulas(console: Console) -> None:
 
 
 def formula(console: Console, name: str) -> None:
-    """One design formula in full: the equations, its inputs with their units, what it gives, an example."""
+    """Prints one design formula in full: equations, inputs with their units, result, and an example."""
     row = choices("formula")[name]
     console.print(f"[bold]{name}[/]: houle.design.{row.call}", highlight=False)
     facts = {"range": row.range, "source": row.source, "checked": row.status, "scatter": row.scatter}

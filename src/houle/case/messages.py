@@ -1,7 +1,7 @@
-"""What is wrong with a case file, in words: key, value, allowed range, cure. One line per finding.
+"""Messages about errors in a case file: key, value, allowed range and cure, one line per error.
 
-Messages of the models' own validators start with the key they are about (a dot is put before it) or with = or : (put
-directly after the table).
+A message of a validator of a model begins with the key that it is about, before which a dot is put, or with "=" or ":",
+which are put directly after the name of the table.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from typing import Annotated, Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"  # of a case, a body, a gauge
-MOST = 5  # findings told at once
-LONGEST = 80  # letters of a value that are told
-CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
-SMALLEST, LARGEST = 1e-20, 1e20  # of numbers that are not 0
+NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"  # pattern of the name of a case, a body or a gauge
+MOST = 5  # most errors in one message
+LONGEST = 80  # letters of a value beyond which its middle is left out
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")  # letters that nothing can print
+SMALLEST, LARGEST = 1e-20, 1e20  # bounds of the size of numbers other than 0
 
 LENGTHS = ((1e-3, "mm"), (1e-2, "cm"))
 # key: (typical lowest, typical highest, ((factor to SI, unit the reader may have meant), ...))
@@ -44,7 +44,7 @@ UNITS: dict[str, tuple[float, float, tuple[tuple[float, str], ...]]] = {
     "flip": (0.1, 1.0, ((0.01, "%"),)),
     "correction": (0.1, 1.0, ((0.01, "%"),)),
 }
-SAME = {  # what other codes and papers call our keys
+SAME = {  # name of a key in other codes and papers -> our name of it
     "n": "porosity", "por": "porosity", "d50": "grain_diameter", "D50": "grain_diameter", "diameter": "grain_diameter",
     "dx": "spacing", "dp": "spacing", "particle_spacing": "spacing", "nu": "viscosity", "rho": "density",
     "g": "gravity", "gamma": "added_mass", "cfl": "courant", "CFL": "courant", "dt": "step", "time_step": "step",
@@ -61,11 +61,11 @@ KINDS = {
     "tuple_type": "a list [...]",
     "model_type": "a table",
 }
-LATER = {"stl"}
+LATER = {"stl"}  # keys of later versions
 
 
 def show(value: Any) -> str:
-    """A value as the case file writes it."""
+    """A value as the case file would have it, in TOML."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{k} = {show(v)}" for k, v in value.items()) + "}"
     if isinstance(value, (list, tuple)):
@@ -78,19 +78,19 @@ def show(value: Any) -> str:
 
 
 def shortened(text: str) -> str:
-    """A long list or number with its middle left out."""
+    """A text, with its middle left out if it is long."""
     return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} ... {text[-LONGEST // 4 :]}"
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
-    """' Did you mean "..."?' or nothing; capital letters do not matter."""
+    """' Did you mean "..."?' with the most similar of the words, or ""; capital letters do not matter."""
     small = {w.lower(): w for w in words}
     found = difflib.get_close_matches(word.lower(), list(small), n=1, cutoff=0.5)
     return f' Did you mean "{small[found[0]]}"?' if found else ""
 
 
 def guess(key: str, value: Any, upper: float | None = None) -> str:
-    """' Did you mean 0.0159 (15.9 mm)?' if another unit makes it a usual value, below upper if given; or nothing."""
+    """' Did you mean 0.0159 (15.9 mm)?' if the value would be usual in another unit, and below `upper`; else ""."""
     low, high, units = UNITS.get(key, (0.0, 0.0, ()))
     high = high if upper is None else min(high, upper)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -103,7 +103,7 @@ def guess(key: str, value: Any, upper: float | None = None) -> str:
 
 
 def place(loc: Iterable[str | int], data: Any) -> str:
-    """porous.dam.porosity, porous[0] for a body without a name, polygon[2][1] for a number in a list."""
+    """The place of a key in words: porous.dam.porosity, porous[0] for a body without name, polygon[2][1] in a list."""
     text = ""
     for part in loc:
         name = None
@@ -121,7 +121,7 @@ def place(loc: Iterable[str | int], data: Any) -> str:
 
 
 def immense(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Where numbers stand, of any unit, that no computation carries: their squares or inverses overflow."""
+    """Places of numbers so large or small that squares or inverses of them overflow, whatever the unit."""
     if isinstance(data, Mapping | list | tuple):
         for key, value in data.items() if isinstance(data, Mapping) else enumerate(data):
             yield from immense(value, (*loc, key))
@@ -130,7 +130,7 @@ def immense(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[str | 
 
 
 def unprintable(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    """Where text stands that no file, terminal or picture takes: control characters, halves of a pair of UTF-16."""
+    """Places of text that files and terminals cannot take: control characters, halves of a surrogate pair."""
     if isinstance(data, Mapping | list | tuple):
         for key, value in data.items() if isinstance(data, Mapping) else enumerate(data):
             yield from unprintable(value, (*loc, key))
@@ -139,7 +139,7 @@ def unprintable(data: Any, loc: tuple[str | int, ...] = ()) -> Iterator[tuple[st
 
 
 def told(loc: Iterable[str | int], data: Any) -> str:
-    """porous.dam.porosity = 45: the place and what stands there."""
+    """The place and the value there: porous.dam.porosity = 45."""
     value = data
     for part in loc:
         value = value[part]
@@ -147,7 +147,7 @@ def told(loc: Iterable[str | int], data: Any) -> str:
 
 
 def explain(error: ValidationError, model: type[BaseModel], data: dict[str, Any]) -> str:
-    """All findings of a failed validation in one message, the first few told."""
+    """One message about all errors of a failed validation; it shows the first few."""
     errors = error.errors()
     inner = [e["loc"] for e in errors]
     kept = [e for e in errors if not any(len(o) > len(e["loc"]) and o[: len(e["loc"])] == e["loc"] for o in inner)]
@@ -156,13 +156,13 @@ def explain(error: ValidationError, model: type[BaseModel], data: dict[str, Any]
 
 
 def several(lines: list[str]) -> str:
-    """The first few findings, one line each."""
+    """One message of the first few lines and the number of the others."""
     more = len(lines) - MOST
     return "\n".join(lines[:MOST] + ([f"... and {more} more"] if more > 0 else []))
 
 
 def toml_line(message: str, text: str) -> str:
-    """The parser's message with the line it means."""
+    """The message of the TOML parser, with the text of the line that it names."""
     where = re.search(r"line (\d+)", message)
     lines = text.splitlines()
     if where and int(where[1]) <= len(lines):
@@ -171,6 +171,7 @@ def toml_line(message: str, text: str) -> str:
 
 
 def _lines(error: Any, model: type[BaseModel], data: dict[str, Any]) -> list[str]:
+    """The lines of the message about one error of pydantic, most often one."""
     loc, kind, value = error["loc"], error["type"], error["input"]
     field, table = _field(model, loc)
     where, key = place(loc, data), next((p for p in reversed(loc) if isinstance(p, str)), "")
@@ -203,6 +204,7 @@ def _lines(error: Any, model: type[BaseModel], data: dict[str, Any]) -> list[str
 
 
 def _wrong_type(shown: str, kind: str, value: Any, key: str, field: FieldInfo | None, top: bool) -> str:
+    """The message about a value of the wrong type. top: it is a whole table."""
     wanted = KINDS.get(kind, kind)
     cure = ""
     if isinstance(value, str) and kind in ("float_type", "int_type"):
@@ -217,7 +219,7 @@ def _wrong_type(shown: str, kind: str, value: Any, key: str, field: FieldInfo | 
 
 
 def _field(model: type[BaseModel], loc: Iterable[str | int]) -> tuple[FieldInfo | None, type[BaseModel] | None]:
-    """The field a place stands for, and the table it lies in."""
+    """The field of a model at a place, and the model of the table in which it is."""
     field, table, inside = None, None, model
     for part in loc:
         if isinstance(part, int):
@@ -229,13 +231,14 @@ def _field(model: type[BaseModel], loc: Iterable[str | int]) -> tuple[FieldInfo 
 
 
 def _model(kind: Any) -> type[BaseModel] | None:
+    """The first model in a type annotation, None without."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return kind
     return next((m for arg in get_args(kind) if (m := _model(arg))), None)
 
 
 def _allowed_words(field: FieldInfo | None) -> list[str]:
-    """The words that a field can have: those of a Literal, or the names of a choice (`tables.base.OneOf`)."""
+    """The words that a field allows: those of a Literal, or the names of a kind of choice (`tables.base.OneOf`)."""
     if field is None:
         return []
     named = next((entry.allowed for entry in field.metadata if hasattr(entry, "allowed")), None)
@@ -249,7 +252,7 @@ def _literals(kind: Any) -> list[Any]:
 
 
 def _bounds(metadata: Iterable[Any], kind: Any) -> dict[str, float]:
-    """gt, ge, lt, le of a field or of the numbers in its list."""
+    """Bounds gt, ge, lt, le of a field, or of the numbers in its list."""
     found: dict[str, float] = {}
     for entry in metadata:
         if isinstance(entry, FieldInfo):
@@ -296,6 +299,7 @@ def _count(error: Any) -> str:
 
 
 def _meant(word: str, table: type[BaseModel] | None) -> str:
+    """A hint at the key that was meant by an unknown word, and the keys that the table has."""
     keys = list(table.model_fields) if table else []
     if word in LATER:
         return " It belongs to a later version of houle."

@@ -1,8 +1,8 @@
-"""The case file: its tables together, and how it is read. Data only; unknown keys are errors.
+"""The case file: all its tables in one model, and how it is read. Data only; unknown keys are errors.
 
-The models of `tables/` are named as the TOML tables. They know the file, not the physics of the whole:
-`check/rules.py` looks at that. What a writer gets wrong is explained by `messages.py`, one line per finding. To add a
-key, add a field with its unit and range.
+The models of `tables/` are named after the TOML tables. They check the file, not the physics of the whole, which
+`check/rules.py` does. `messages.py` explains the errors of a file, one line each. To add a key, add a field with its
+unit and range.
 """
 
 from __future__ import annotations
@@ -55,22 +55,22 @@ class Case(Tables):
 
     @property
     def folder(self) -> Path:
-        """Where the other files lie that it names."""
+        """The folder of the other files that the case names."""
         return self._path.parent if self._path else Path()
 
     @property
     def path(self) -> Path | None:
-        """The file it came from, if any: other files it names lie beside it."""
+        """The file from which the case was read, None without; other files that it names lie beside it."""
         return self._path
 
     @property
     def title(self) -> str:
-        """Title of the pictures: that of the case, or its name."""
+        """Title for pictures: that of the case, or else its name."""
         return self.case.title or self.case.name
 
     @property
     def laboratory(self) -> Path | None:
-        """The file of laboratory points that [reference] names, None without."""
+        """The file of laboratory points that [reference] names; None without [reference]."""
         return None if self.reference is None else self.folder / self.reference.surface
 
     @property
@@ -85,15 +85,15 @@ class Case(Tables):
 
     @property
     def wave(self) -> Wave | None:
-        """The wave of [waves], None without. Raises WaveError, a CaseError, where theory has none."""
+        """The wave of [waves]; None without [waves]. Raises WaveError, a CaseError, if no theory gives it."""
         return None if self.waves is None else make(self.waves, self.fluid.gravity, self.folder)
 
     @property
     def drag_period(self) -> float:
-        """Period of the flow to and fro in porous bodies [s], for the laws of resistance that know it.
+        """Period of the oscillating flow in porous bodies [s], for the laws of resistance that depend on it.
 
-        The period of regular waves, T_m-1,0 of sums of waves; infinite without waves, and for a single one. Raises
-        WaveError as `wave`.
+        It is the period of regular waves, T_m-1,0 of sums of waves, and infinite without waves or for a single one.
+        Raises WaveError as `wave` does.
         """
         wave = self.wave
         parts = None if wave is None else wave.components()
@@ -102,19 +102,19 @@ class Case(Tables):
         return wave.period if self.waves is not None and self.waves.kind == "regular" else parts.energy_period
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain lists, tables and numbers as a file would hold them, defaults written out; `load` reads it back."""
+        """The case as plain dicts, lists and numbers, with the defaults written out; `load` reads it back."""
         data = self.model_dump(mode="json", exclude_none=True)
         if self.time.step is not None:
             del data["time"]["courant"]
         return data
 
     def to_toml(self) -> str:
-        """A case file that gives the same case."""
+        """The text of a case file that gives the same case."""
         return to_toml(self.to_dict())
 
     @property
     def identity(self) -> dict[str, str | None]:
-        """Name, title, file, hash and text of the case: what the files of a run say of it."""
+        """Name, title, file, hash and text of the case, as the files of a run hold them."""
         file = str(self.path) if self.path else None
         return {
             "name": self.case.name,
@@ -126,15 +126,15 @@ class Case(Tables):
 
     @property
     def hash(self) -> str:
-        """16 hexadecimal digits of everything in the case, defaults included."""
+        """16 hexadecimal digits that depend on everything in the case, defaults included, but not on its files."""
         return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
 
 
 def add_table(key: str, row: type[Table], description: str) -> None:
     """Makes [[key]] a table of the case file, for an observable or a boundary that houle does not have.
 
-    row  the table, like those of `houle.case.tables.observed` and `houle.case.tables.boundaries`; an observer asks for
-         it by its key, a boundary has its row of `BOUNDARIES` under that name
+    row  the model of the table, like those of `houle.case.tables.observed` and `houle.case.tables.boundaries`; the
+         observer has the key as its `table`, the boundary as its name in `BOUNDARIES`
     """
     rows: Any = Annotated[tuple[row, ...], Field(strict=False, description=description)]  # type: ignore[valid-type]
     Case.model_fields[key] = FieldInfo.from_annotated_attribute(rows, ())
@@ -152,14 +152,14 @@ def load(source: str | Path | dict[str, Any] | Case, overrides: dict[str, Any] |
     overrides  {"domain.spacing": 0.01, "porous.dam.porosity": 0.4}: a body, gauge or sensor by its name or its
                number from 0
 
-    Raises CaseError, one line per finding: key, value, allowed range, cure. Whether the shapes fit together is looked
-    at by `houle.check.rules.require`.
+    Raises CaseError, one line per error: key, value, allowed range, cure. `houle.check.rules.require` checks whether
+    the shapes fit together.
     """
     if isinstance(source, Case):
         if not overrides:
             return source
         path, data = source.path, source.to_dict()
-        if "numerics.scheme" in overrides:  # what the old scheme had set does not stand in the way of the new one
+        if "numerics.scheme" in overrides:  # the choices of the old scheme give way to those of the new one
             old = choices("scheme")[source.numerics.scheme].takes
             data["numerics"] = {k: v for k, v in data["numerics"].items() if old.get(k) != v}
     elif isinstance(source, dict):

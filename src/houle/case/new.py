@@ -1,4 +1,4 @@
-"""What `houle new` writes: a commented case to start from."""
+"""`houle new`: writes a commented case file to start from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ WAVES = Path(__file__).parent / "template_waves.toml"
 
 
 def write(name: str, *, waves: bool = False) -> Path:
-    """NAME.toml, a dam break or a wave flume. Raises CaseError for a name that cannot be one, or that is taken."""
+    """Writes NAME.toml, a dam break or a wave flume, and returns its path. Raises CaseError for a bad or taken name."""
     file = Path(name if name.endswith(".toml") else f"{name}.toml")
     if not re.match(NAME, file.stem):
         raise CaseError(f"NAME = {name} is not a name: letters, digits, - _ . only, a letter or digit first")

@@ -1,4 +1,4 @@
-"""The porous bodies that tables of a case file stand for: their drag and inertia."""
+"""From the tables [[porous]] to porous bodies, with the coefficients of their drag and inertia."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from houle.medium.sections import PorousBody
 
 
 def porous_body(entry: Porous, dimension: int, viscosity: float, period: float) -> PorousBody:
-    """The body of a table, for water of this viscosity [m2/s] and waves of this period [s], inf: steady flow."""
+    """The body of a table, in water of this viscosity [m2/s] and waves of this period [s], inf for steady flow."""
     a, b = coefficients(entry.resistance, entry.porosity, entry.grain_diameter, viscosity, period)
     inertia = inertia_coefficient(entry.porosity, entry.added_mass)
     on_rate = entry.added_mass_on == "rate"
@@ -25,9 +25,11 @@ def coefficients(
     viscosity: float,
     period: float = math.inf,
 ) -> Pair:
-    """Canonical a [1/s], b [1/m] of a body as its case file gives it. A law needs the grain diameter [m].
+    """Canonical a [1/s], b [1/m] of a body from its table. A law needs the grain diameter [m].
 
-    period  of the waves [s], for the laws that know it, unless the file gives kc or a period itself; inf: steady flow
+    viscosity  kinematic viscosity of the water [m2/s]
+    period     period of the waves [s], inf for steady flow; used by laws that depend on it, unless the table gives kc
+               or a period
     """
     r = resistance
     if r.law is not None:
@@ -42,7 +44,7 @@ def coefficients(
 
 
 def stated(r: Resistance, period: float) -> dict[str, float]:
-    """Coefficients of the law that the file states itself, and the period of the waves if it says nothing of it."""
+    """The coefficients of its law that a table gives, and the period of the waves if it gives neither kc nor period."""
     given = r.given
     if r.law is None or not LAWS[r.law].knows_period or {"kc", "period"} & set(given) or period == math.inf:
         return given

@@ -1,4 +1,4 @@
-"""Case files on disk: finding, reading, overriding and writing the tables. Nothing here knows what they mean."""
+"""Case files as TOML: finding, reading, overriding and writing their tables, whatever these mean."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def shipped() -> list[str]:
 
 
 def find(source: str | Path) -> Path:
-    """The case file meant: a file, or the name of a shipped case. Raises CaseError with what is near."""
+    """The path of a case file, given as a file or as the name of a shipped case. Raises CaseError with a near name."""
     path = Path(source)
     if is_file(path):
         return path
@@ -42,12 +42,12 @@ def find(source: str | Path) -> Path:
 
 
 def is_file(path: Path) -> bool:
-    """Whether an ordinary file is there: no folder, device or pipe, and no name that the system does not take."""
+    """True for an ordinary file; False for a folder, a device or a pipe, and for a name that no file can have."""
     return exists(path) and path.is_file()
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Tables of a TOML file. Raises CaseError with the line when it cannot be read."""
+    """The tables of a TOML file. Raises CaseError, with the line, if it cannot be read."""
     try:
         text = path.read_bytes().decode("utf-8-sig")  # Windows may put a mark in front
     except UnicodeDecodeError as error:
@@ -61,7 +61,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def parse_override(text: str) -> tuple[str, Any]:
-    """`domain.spacing=0.01` as key and value; the value is TOML, a bare word is taken as text."""
+    """Key and value of `domain.spacing=0.01`. The value is TOML; a word without quotes is taken as text."""
     key, equal, value = text.partition("=")
     key, value = key.strip(), value.strip()
     if not equal or not key or not value:
@@ -77,7 +77,7 @@ def parse_override(text: str) -> tuple[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """A copy with the lists and numbers of Python for those of NumPy, and text for paths."""
+    """A copy in which arrays and numbers of NumPy are lists and numbers of Python, and paths are text."""
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -88,7 +88,7 @@ def plain(value: Any) -> Any:
 
 
 def override(data: dict[str, Any], key: str, value: Any) -> None:
-    """Put a value at `table.key`, `table.name.key` or `table[0].key`. Raises CaseError if no body has that name."""
+    """Puts a value at `table.key`, `table.name.key` or `table[0].key`. Raises CaseError if there is no such place."""
     parts = re.sub(r"\[(\d+)\]", r".\1", key).split(".")
     target: Any = data
     while len(parts) > 1:
@@ -107,7 +107,10 @@ def override(data: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _row(rows: list[Any], part: str, key: str, parts: list[str]) -> Any:
-    """The entry of an array of tables with that number or name (names may hold dots: longest first)."""
+    """The entry of an array of tables by its number or its name.
+
+    Names may hold dots: the longest name that fits is taken, and its further parts are removed from `parts`.
+    """
     if part.isdigit() and int(part) < len(rows):
         return rows[int(part)]
     named = {str(r.get("name")): r for r in rows if isinstance(r, dict) and "name" in r}
@@ -121,7 +124,7 @@ def _row(rows: list[Any], part: str, key: str, parts: list[str]) -> Any:
 
 
 def to_toml(data: dict[str, Any]) -> str:
-    """Tables as TOML: one level of tables and arrays of tables, anything deeper inline."""
+    """Tables as TOML text: one level of tables and arrays of tables, everything deeper inline."""
     lines: list[str] = []
     for key, value in data.items():
         for row in value if isinstance(value, list) else [value]:

@@ -1,4 +1,4 @@
-"""A case looked at as a drawing: its shapes as polygons in the (x, z) section of the tank."""
+"""A case as a drawing: its shapes as polygons in the (x, z) section of the tank."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from houle.grid import FloatArray
 from houle.medium import sections, shapes
 from houle.medium.thin_solids import solid_windows
 
-COLUMNS = 500  # looked at for the levels of the water
+COLUMNS = 500  # places along x at which levels are looked at
 
 
 Row = TypeVar("Row", bound=Shape, covariant=True)
@@ -27,7 +27,7 @@ Row = TypeVar("Row", bound=Shape, covariant=True)
 
 @dataclass(frozen=True)
 class Entry(Generic[Row]):
-    """One table of [[water]], [[porous]] or [[solid]]: its key in the file, its row, and the shape that it gives."""
+    """One table of [[water]], [[porous]] or [[solid]]: its key in the case file, the table itself, and its shape."""
 
     key: str
     row: Row
@@ -35,12 +35,17 @@ class Entry(Generic[Row]):
 
     @property
     def free(self) -> bool:
-        """True for a level, which fills what is open below it; a box or a polygon means exactly itself."""
+        """True for a level, which fills the open space below it; a box or a polygon means exactly its own area."""
         return self.row.below is not None
 
 
 class CrossSection:
-    """The drawing of a case: its entries with their shapes, in the (x, z) window of the tank, all lengths in metres."""
+    """The drawing of a case; all lengths are in metres.
+
+    window  x_min, z_min, x_max, z_max of the tank
+    water, porous, solid  the entries of these tables, with their shapes
+    layers  spans of y in each of which no section changes; one in 2D
+    """
 
     def __init__(self, case: Case) -> None:
         self.case, self.grid = case, case.domain.grid
@@ -52,6 +57,7 @@ class CrossSection:
 
     @property
     def entries(self) -> list[Entry[Shape]]:
+        """All entries of water, porous bodies and solids."""
         return [*self.water, *self.porous, *self.solid]
 
     def _entries(self, key: str, rows: Sequence[Row]) -> list[Entry[Row]]:
@@ -59,12 +65,12 @@ class CrossSection:
         return [Entry(place((key, i), tables), row, shape_of(row, d)) for i, row in enumerate(rows)]
 
     def area(self, entries: Sequence[Entry[Shape]], layer: shapes.Span) -> shapely.Geometry:
-        """The part of the tank's section in a layer that the entries cover together."""
+        """The area of the section of the tank in a layer that the entries cover together."""
         return sections.section(self.grid, [entry.shape for entry in entries], layer)
 
     @property
     def windows(self) -> list[shapes.Box]:
-        """The windows that thin solids part: they count as solid besides what is drawn."""
+        """Windows that count as solid besides the solids as they are drawn (`houle.medium.thin_solids`)."""
         return solid_windows(self.grid, [entry.shape for entry in self.solid])
 
     def overlap(self, one: Sequence[Entry[Shape]], other: Sequence[Entry[Shape]]) -> tuple[float, tuple[float, ...]]:
@@ -75,7 +81,7 @@ class CrossSection:
 
     @property
     def speck(self) -> float:
-        """An area that does not matter [m2]."""
+        """A smaller area does not matter [m2]."""
         return 1e-6 * self.case.domain.spacing**2
 
     def open_water(self, layer: shapes.Span) -> shapely.Geometry:
@@ -83,7 +89,10 @@ class CrossSection:
         return shapely.difference(self.area(self.water, layer), self.area(self.solid, layer))
 
     def tops(self, areas: list[shapely.Geometry]) -> FloatArray:
-        """Top [m] of an area per layer, over evenly spaced columns and the middles of shapes; 0 where there is none."""
+        """Top [m] of an area per layer, (layers, places); 0 where there is none.
+
+        The places are spread evenly along x, with the middles of all shapes in addition.
+        """
         ends = [np.clip([e.shape.bounds[0][0], e.shape.bounds[1][0]], 0.0, self.window[2]) for e in self.entries]
         x = np.concatenate([(np.arange(COLUMNS) + 0.5) / COLUMNS * self.window[2], np.mean(ends, axis=1)])
         feet, heads = (np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3]))
@@ -91,7 +100,7 @@ class CrossSection:
         return np.array([np.nan_to_num(shapely.bounds(shapely.intersection(columns, a))[:, 3]) for a in areas])
 
     def standing(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Height of the water standing at places x (N,), and its level, both (layers, N) [m]; NaN level where dry."""
+        """Depth and level of the water at the start at x (N,) [m], both (layers, N) [m]; the level NaN where dry."""
         ends = np.stack([np.stack([x, np.full_like(x, z)], axis=-1) for z in (0.0, self.window[3])], axis=1)
         wet = [shapely.intersection(shapely.linestrings(ends), self.open_water(y)) for y in self.layers]
         return np.array([shapely.length(w) for w in wet]), np.array([shapely.bounds(w)[:, 3] for w in wet])
@@ -101,21 +110,21 @@ class CrossSection:
         return float(self.tops([self.open_water(y) for y in self.layers]).max())
 
     def drop(self) -> float:
-        """Highest minus lowest level of the water at the start [m]; where it is dry the floor counts."""
+        """Highest minus lowest level of the water at the start [m]; where it is dry, the bed counts as level."""
         water = self.tops([self.open_water(y) for y in self.layers])
         floor = self.tops([self.area(self.solid, y) for y in self.layers])
         return max(0.0, float(water.max() - np.maximum(water, floor).min()))
 
     def expected_speed(self) -> float:
-        """Speed of the water to expect [m/s]: sqrt(2 g drop), and at least a tenth of that of long waves, sqrt(g d).
+        """Speed of the water to expect [m/s]: sqrt(2 g drop), at least a tenth of the speed of long waves, sqrt(g d).
 
-        The depth d counts as one cell or more.
+        The depth d is taken as at least one cell.
         """
         g = max(self.case.fluid.gravity, 1e-12)
         return max(sqrt(2 * g * self.drop()), 0.1 * sqrt(g * max(self.depth(), self.grid.spacing[-1])))
 
     def particles(self) -> float:
-        """Number of particles that the water is made of: two per cell and axis."""
+        """Number of particles at the start: two per cell and axis in the water."""
         flat = self.grid.dimension == 2
         widths = [1.0 if flat else y1 - y0 for y0, y1 in self.layers]
         volume = sum(self.open_water(y).area * w for y, w in zip(self.layers, widths, strict=True))

@@ -1,4 +1,4 @@
-"""The shapes that tables of a case file stand for: where water is, porous bodies and solids."""
+"""From tables of a case file to shapes: of water, porous bodies and solids."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from houle.medium.shapes import Box, Polygon, Shape, enclosed
 
 
 def shape_of(entry: tank.Shape, dimension: int) -> Shape:
-    """The shape of a case entry: exactly one of box = [[lower], [upper]], polygon = [[x, z], ...], below = level."""
+    """The shape of a case entry, from the first of box, polygon, below that it gives. Raises CaseError."""
     if (corners := entry.box) is not None:
         lower, upper = (tuple(map(float, corner)) for corner in corners)
         if not (len(lower) == len(upper) == dimension and all(a < b for a, b in zip(lower, upper, strict=True))):

@@ -1,4 +1,4 @@
-"""The wave that the table [waves] stands for, and the record of elevations that it may name."""
+"""From the table [waves] to the wave of theory, and to the record of elevations that it may name."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
 from houle.waves.wave import THEORIES, Wave, WaveError
 
-ARRIVES = 1.5  # a solitary wave without focus: its crest is this many half lengths before the maker at t = 0
-LEAST = 4  # samples of a record
+ARRIVES = 1.5  # half lengths before the maker at which the crest of a solitary wave without focus is at t = 0
+LEAST = 4  # fewest samples in a record
 
 
 def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
-    """The wave of the table; `folder` is where its file lies. Raises WaveError.
+    """The wave of the table. Raises WaveError where no theory gives it. folder: that of its file.
 
-    A regular wave has a crest at x = 0 (of the domain) at t = 0, a series stands at the maker (`Waves.place`) and is
-    at its time `start` then, the crest of a solitary wave comes to its focus, or starts well before the maker. What a
-    source sends to the left is the wave of -x.
+    A regular wave has a crest at x = 0 at t = 0. A series is the elevation at the maker (`Waves.place`), and its time
+    `start` is t = 0. The crest of a solitary wave comes to its focus, or else starts well before the maker. The waves
+    that a source sends to the left only are those of -x.
     """
     angle = radians(table.direction)
     current = table.current * cos(angle)

@@ -1,6 +1,6 @@
-"""Checks of the boundaries that move or let water through: gates, open sides, pistons, absorbing walls.
+"""Checks of the boundaries that move or let water through: gates, open sides, pistons and absorbing walls.
 
-`gates_fit`, `open_sides_fit` and `moving_walls_fit` are three of the checks of `rules.py`.
+`gates_fit`, `open_sides_fit` and `moving_walls_fit` are three of the CHECKS of `rules.py`.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from houle.errors import CaseError, metres
 from houle.waves.dispersion import wave_number
 from houle.waves.wave import Wave
 
-CRITICAL, FAST = 1.0, 0.7  # Froude numbers: from the first on no long wave goes upstream; warned of from the second
-STEP = 0.02  # of the depth: a level that differs by more from that of the water at the start makes a wave
-FILLED = 0.02  # of the water that an imbalance may add or take in the whole run
+CRITICAL, FAST = 1.0, 0.7  # Froude numbers: no long wave travels upstream above the first; the second is warned of
+STEP = 0.02  # share of the depth by which a level at the side may differ at the start without a warning
+FILLED = 0.02  # share of the water that all sides together may add or take in the whole run without a warning
 FRONT = 6  # cells in front of a moving wall where nothing else may stand
 
 
 def gates_fit(s: CrossSection) -> Iterator[Finding]:
-    """Gates stand between two columns of cells, on a face of the grid."""
+    """Each gate stands inside the domain; tells the face of the grid on which it is put."""
     h, size = s.grid.spacing[0], s.case.domain.size[0]
     for i, gate in enumerate(s.case.gate):
         key = place(("gate", i, "x"), s.case.__dict__)
@@ -47,7 +47,7 @@ def gates_fit(s: CrossSection) -> Iterator[Finding]:
 
 
 def open_sides_fit(s: CrossSection) -> Iterator[Finding]:
-    """Water, porous bodies, levels and speeds at the open sides, one by one; what all let in together."""
+    """Each open side has sound records, water beside it and no obstacle; together they keep the tank filled."""
     case = s.case
     known: list[dict[str, Record]] = []
     for table in case.open:
@@ -71,7 +71,7 @@ def open_sides_fit(s: CrossSection) -> Iterator[Finding]:
 
 
 def water_beside(s: CrossSection, table: Open) -> tuple[float, float]:
-    """Depth and level of the water at an open side at the start [m]; the least over the width."""
+    """Depth and level of the water at an open side at the start [m], each the least over the width of the tank."""
     h, size = s.grid.spacing[0], s.case.domain.size[0]
     x = np.array([h / 2 if table.side == "left" else size - h / 2])
     depth, level = s.standing(x)
@@ -79,6 +79,7 @@ def water_beside(s: CrossSection, table: Open) -> tuple[float, float]:
 
 
 def _side(s: CrossSection, table: Open, known: dict[str, Record], key: str) -> Iterator[Finding]:
+    """One side: depth, bodies and gates near it, level, Froude number, sudden start. known: its records by key."""
     case, h = s.case, s.grid.spacing
     depth, level = water_beside(s, table)
     if case.domain.periodic[0]:
@@ -122,6 +123,7 @@ def inflow(known: dict[str, Record], depth: float) -> np.ndarray | None:
 
 
 def _level(s: CrossSection, wanted: Record, key: str, depth: float, level: float) -> Iterator[Finding]:
+    """The level outside stays between floor and lid, and begins at that of the water beside the side."""
     low, high, top = float(wanted.value.min()), float(wanted.value.max()), s.case.domain.size[-1]
     if high >= top or low <= level - depth:
         text = (
@@ -129,12 +131,13 @@ def _level(s: CrossSection, wanted: Record, key: str, depth: float, level: float
         )
         yield Finding("error", key, f"{text}{top:g} m")
     elif abs(wanted.at(0.0) - level) > STEP * depth:
-        text = f": the level begins at {wanted.at(0.0):g} m, that of the water beside it is {level:g} m: a wave starts"
+        text = f": the level begins at {wanted.at(0.0):g} m, that of the water beside it is {level:g} m: this makes a "
+        text += "wave; begin at the same level"
         yield Finding("warning", key, text)
 
 
 def _start(s: CrossSection, table: Open, speed: float, key: str) -> Iterator[Finding]:
-    """The water inside moves as the side does from the start, or the side starts slowly."""
+    """A side without a ramp begins with the velocity of the water inside."""
     case = s.case
     moving = [w.velocity[0] for w in case.water if w.velocity is not None]
     inside = (moving[0] if moving else 0.0) * (1.0 if table.side == "left" else -1.0)
@@ -147,7 +150,7 @@ def _start(s: CrossSection, table: Open, speed: float, key: str) -> Iterator[Fin
 
 
 def _balance(s: CrossSection, known: list[dict[str, Record]]) -> Iterator[Finding]:
-    """Without a level the tank fills or empties by what is let in."""
+    """Inflow and outflow balance if no side has a level: otherwise the tank would fill or empty."""
     case = s.case
     if any("level" in k for k in known):
         return
@@ -156,7 +159,7 @@ def _balance(s: CrossSection, known: list[dict[str, Record]]) -> Iterator[Findin
         depth = water_beside(s, table)[0]
         speeds = inflow(k, depth)
         if speeds is None:
-            return  # no water there, which is said already
+            return  # there is no water, which `_side` reports
         time = next(iter(k.values())).time
         t = np.linspace(0.0, case.time.end, 1001)
         net += float(np.trapezoid(np.interp(t, time, speeds), t)) * depth
@@ -174,7 +177,7 @@ def _balance(s: CrossSection, known: list[dict[str, Record]]) -> Iterator[Findin
 
 
 def _current(s: CrossSection, known: list[dict[str, Record]]) -> Iterator[Finding]:
-    """waves.current is what the open sides let through."""
+    """waves.current is the velocity of the flow through the open sides."""
     case = s.case
     if case.waves is None:
         return
@@ -195,7 +198,7 @@ def _current(s: CrossSection, known: list[dict[str, Record]]) -> Iterator[Findin
 
 
 def moving_walls_fit(s: CrossSection) -> Iterator[Finding]:
-    """Each moving wall has room behind it, clear water in front, and a tank that it can divide."""
+    """Each moving wall has room to move, clear water in front of it, and nothing behind it that needs water."""
     case = s.case
     if not case.absorber and (case.waves is None or case.waves.piston is None):
         return
@@ -203,7 +206,7 @@ def moving_walls_fit(s: CrossSection) -> Iterator[Finding]:
         wave = case.wave
         walls = moving_walls(case, wave, s.depth())
     except CaseError as error:
-        if str(error).startswith(("waves.piston", "waves.direction")):  # else told by waves_fit
+        if str(error).startswith(("waves.piston", "waves.direction")):  # waves_fit reports others
             yield Finding("error", "waves.piston", f": {error}")
         return
     yield from _alone(s, walls)
@@ -219,7 +222,7 @@ def moving_walls_fit(s: CrossSection) -> Iterator[Finding]:
 
 
 def _alone(s: CrossSection, walls: list[MovingWall]) -> Iterator[Finding]:
-    """One at each end at most, nothing that they cannot stand beside."""
+    """At most one wall stands at each end, and the case has nothing that moving walls do not allow."""
     case = s.case
     for water, end in ((1, "left"), (-1, "right")):
         those = [wall for wall in walls if wall.water == water]
@@ -244,7 +247,7 @@ def _alone(s: CrossSection, walls: list[MovingWall]) -> Iterator[Finding]:
 
 
 def _beside(s: CrossSection, wall: MovingWall, wave: Wave | None) -> Iterator[Finding]:
-    """No gate and no maker of waves behind it, where no water is, or where it moves."""
+    """No gate and no maker of waves stands where the wall moves, or behind it, where no water is."""
     case, margin = s.case, ROOM * s.grid.spacing[0]
     for i, gate in enumerate(case.gate):
         key = place(("gate", i, "x"), case.__dict__)
@@ -265,7 +268,7 @@ def _beside(s: CrossSection, wall: MovingWall, wave: Wave | None) -> Iterator[Fi
 
 
 def _periods(s: CrossSection) -> Iterator[Finding]:
-    """An absorber is tuned to waves that the grid carries."""
+    """Each absorber is tuned to waves that the grid can carry."""
     depth, h = s.depth(), s.grid.spacing[0]
     for i, table in enumerate(s.case.absorber):
         if table.period is None or depth <= 0:
@@ -277,7 +280,7 @@ def _periods(s: CrossSection) -> Iterator[Finding]:
 
 
 def _space(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
-    """It stays in the tank, a few cells away from its sides, and never meets another one."""
+    """The wall stays in the tank, at least `ROOM` cells away from its sides, wherever it moves."""
     size, h = s.case.domain.size[0], s.grid.spacing[0]
     low, high = wall.span
     margin = ROOM * h
@@ -299,7 +302,7 @@ def _space(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
 
 
 def _clear(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
-    """No structure where it moves or right in front of it; behind it nothing matters."""
+    """No structure and no sponge stands where the wall moves or close in front of it, and water does."""
     low, high = wall.span
     front = FRONT * s.grid.spacing[0]
     low, high = (low, high + front) if wall.water > 0 else (low - front, high)
@@ -326,7 +329,7 @@ def _clear(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
 
 
 def _seen(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
-    """Gauges, sensors and forces are in the water in front of a moving wall at all times."""
+    """Gauges, sensors and forces lie in the water in front of a moving wall at all times."""
     low, high = wall.span
     places = [("gauge", i, g.x) for i, g in enumerate(s.case.gauge)]
     places += [("sensor", i, p.at[0]) for i, p in enumerate(s.case.sensor)]
@@ -340,6 +343,3 @@ def _seen(s: CrossSection, wall: MovingWall) -> Iterator[Finding]:
         if force.side == ("left" if wall.water > 0 else "right"):
             key = place(("force", i), s.case.__dict__)
             yield Finding("warning", f"{key}.side", f'= "{force.side}" is a dry wall behind {wall.key}: its force is 0')
-
-
-# ---- where it acts ---------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The price of a case: particles, steps, minutes, memory and disk."""
+"""The cost of a case: particles, steps, minutes, memory and disk."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from houle.case.section import CrossSection
 from houle.flow.rows import memory
 from houle.flow.setup import WAVE_SHARE
 
-MICROSECONDS = 0.55  # of one core per particle and step of a whole run; `houle bench` measures yours
+MICROSECONDS = 0.55  # time of one core per particle and step in a whole run [us]; `houle bench` measures yours
 
 
 @dataclass(frozen=True)
 class Price:
-    """Cost of a run: a guess, good to a factor of two or three."""
+    """The cost of a run: a guess, good to a factor of two or three."""
 
     cells: int
     particles: int
     step: float  # [s]
     steps: int
-    minutes: float  # on the threads asked for
+    minutes: float  # duration on the given number of threads
     memory: float  # [bytes] at the start
     most_memory: float  # [bytes] when water has been everywhere
-    frames: float  # [bytes] of fields
-    rows: float  # [bytes] of gauges, sensors and ledger
+    frames: float  # size of fields.vtkhdf [bytes]
+    rows: float  # size of series.nc [bytes]
 
     @property
     def disk(self) -> float:
@@ -37,13 +37,13 @@ class Price:
 
 
 def price(case: Case, threads: int = 1) -> Price:
-    """The price of a case on so many threads."""
+    """The cost of a case on this number of threads."""
     s = CrossSection(case)
     d, h, g = case.dimension, case.domain.spacing, s.grid
     particles, cells = round(s.particles()), int(np.prod(g.shape))
     slow = min([1.0, *(b.row.porosity for b in s.porous)])  # water is faster in the pores, up to 1/n
     fastest = s.expected_speed() / (1.0 if s.drop() > h else slow)
-    crossed = min(h / fastest, WAVE_SHARE * sqrt(h / max(case.fluid.gravity, 1e-12)))  # of a cell, by water; by waves
+    crossed = min(h / fastest, WAVE_SHARE * sqrt(h / max(case.fluid.gravity, 1e-12)))  # time to cross a cell
     step = case.time.step or min(case.time.courant * crossed, viscous_step(case))
     steps = int(np.ceil(case.time.end / step))
     frames = 1 + case.time.end / case.output.every

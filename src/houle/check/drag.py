@@ -1,4 +1,4 @@
-"""The drag of the porous bodies of a case, in every convention in use, and where a law is stretched."""
+"""The drag of the porous bodies of a case in every convention in use, and warnings where a law is used out of range."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ from houle.medium.resistance import (
 )
 
 REFERENCE_VELOCITY = 0.10  # Darcy velocity [m/s] at which the laws are compared
-STILL = 0.1  # hydraulic gradient taken for a body in level water: waves bring one of this order
+STILL = 0.1  # hydraulic gradient [-] assumed for a body in level water: waves make one of this order
 
 
 @dataclass(frozen=True)
 class DragSheet:
     """The drag of one porous body in every convention in use, so that it can be compared with any paper.
 
-    `warnings` says where the body lies outside the range that the law was measured in.
+    `words` names the law with its coefficients; `warnings` says where the body lies outside the range in which the law
+    was measured.
     """
 
     name: str
@@ -34,9 +35,9 @@ class DragSheet:
     status: str
     porosity: float
     grain_diameter: float | None  # [m]
-    period: float | None  # of the flow that goes to and fro [s]: inf in steady flow, None if kc or a and b are given
+    period: float | None  # period of oscillating flow [s]: inf in steady flow, None if kc or a and b are given
     a: float  # [1/s]
-    oscillating: float  # part of a that is 7.5/KC [1/s]
+    oscillating: float  # part of a that the factor 1 + 7.5/KC makes [1/s]
     b: float  # [1/m]
     permeability: float  # K_p = nu/a [m2]
     forchheimer: float  # C_f = b sqrt(K_p) [-]
@@ -51,7 +52,7 @@ class DragSheet:
 
 
 def drag_sheets(case: Case) -> list[DragSheet]:
-    """The sheet of every porous body, at the Darcy velocity of steady flow under the hydraulic gradient it may see."""
+    """The sheet of every porous body, at the Darcy velocity of steady flow under the gradient that is expected."""
     section, period = CrossSection(case), case.drag_period
     drop = section.drop()
     return [
@@ -61,7 +62,7 @@ def drag_sheets(case: Case) -> list[DragSheet]:
 
 
 def drag_of(case: Case) -> list[dict[str, Any]]:
-    """The entries of run.json on the porous bodies: each law with the coefficients taken, and the drag they make."""
+    """The entries of run.json about the porous bodies: each law with its coefficients, and the drag that they make."""
     return [
         {"name": p.name, "law": p.words, "a": p.a, "b": p.b, "inertia": p.inertia,
          "added_mass_on": p.added_mass_on, "period": p.period, "oscillating": p.oscillating}
@@ -70,7 +71,7 @@ def drag_of(case: Case) -> list[dict[str, Any]]:
 
 
 def expected_gradient(section: CrossSection, body: Entry, drop: float) -> float:
-    """Hydraulic gradient [-]: the drop of the level over the length of the body, at most 1; STILL in level water."""
+    """Hydraulic gradient [-] to expect: drop of level over length of the body, at most 1; STILL in level water."""
     if drop < section.grid.spacing[-1]:
         return STILL
     return float(min(1.0, drop / section.extent(body)[0]))
@@ -81,8 +82,8 @@ def drag_sheet(
 ) -> DragSheet:
     """The sheet of a body.
 
-    velocity is the Darcy velocity to expect [m/s]; without it, that of steady flow under the hydraulic gradient [-]
-    is taken. period is that of the waves [s], as in `coefficients`.
+    velocity  Darcy velocity to expect [m/s]; None: that of steady flow under the hydraulic gradient [-]
+    period    period of the waves [s], as in `coefficients`
     """
     n, d, r = body.porosity, body.grain_diameter, body.resistance
     a, b = coefficients(r, n, d, fluid.viscosity, period)
@@ -121,7 +122,7 @@ def drag_sheet(
 
 
 def _stretched(law: Law, n: float, d: float | None, reynolds: float | None) -> list[str]:
-    """One line for each property of a body outside the range of its law, with both numbers."""
+    """One line, with both numbers, for each property of a body that is outside the range of its law."""
     looked_at = (("porosity", n, law.porosity, ""), ("grain_diameter", d, law.diameter, " m"))
     found = [
         f"{word} = {value:g}{unit} is outside {low:g} to {high:g}{unit}, the range behind the law"

@@ -1,4 +1,4 @@
-"""What a check finds in a case."""
+"""Findings: the results of the checks of a case."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing found in a case: how bad it is, the key it is about, and what is said of it.
+    """One finding in a case.
 
-    The text quotes the two numbers compared and the cure. It follows the key, or begins with a colon.
+    level  "error": the case cannot be run; "warning": the result may be wrong; "info": good to know
+    key    key of the case file that it is about
+    text   the two numbers compared and the cure; it is read after the key, so it begins with a verb, "=" or ":"
     """
 
     level: Literal["error", "warning", "info"]

@@ -1,4 +1,4 @@
-"""The time window in which gauges read steady waves: incident and reflected ones, and nothing else."""
+"""The time window in which gauges read steady waves: the incident and the reflected ones, and no others."""
 
 from __future__ import annotations
 
@@ -15,19 +15,26 @@ from houle.check.finding import Finding
 from houle.results.reflection import limits
 from houle.waves.wave import Wave
 
-FEWEST, FEWEST_OF_A_SPECTRUM = 3, 20  # periods of a window
-SETTLE = 2.0  # periods after the front
+FEWEST, FEWEST_OF_A_SPECTRUM = 3, 20  # least periods in a window, for regular waves and for a spectrum
+SETTLE = 2.0  # periods from the arrival of the full wave until it is steady
 
 
 @dataclass(frozen=True)
 class DrawnFlume:
-    """Places along the flume as it is drawn, from the maker to the right [m]."""
+    """Places along the flume, as it is drawn, that waves meet on their way from the maker to the right, x [m].
+
+    maker      right end of the interval in which the maker acts
+    gauges     gauges to the right of that
+    structure  first face of a porous body or solid to the right of it, None without
+    left       wall that reflects waves which come back to the maker, None if they are absorbed
+    right      wall at the right end, None if a sponge or an absorber stands there
+    """
 
     maker: float
     gauges: list[float]
-    structure: float | None  # first face of what stands in the water behind the maker
-    left: float | None  # the wall that sends waves back behind the maker, None if they are taken up
-    right: float | None  # the wall at the other end, None behind a sponge
+    structure: float | None
+    left: float | None
+    right: float | None
 
     @classmethod
     def of(cls, case: Case, section: CrossSection, wave: Wave) -> DrawnFlume:
@@ -50,7 +57,7 @@ class DrawnFlume:
 def steady(case: Case) -> Finding | None:
     """The window in which gauges right of the maker read incident and reflected waves alone, or why there is none.
 
-    None without gauges, and for waves that pass once.
+    None without gauges, and for waves that pass only once.
     """
     wave, waves = case.wave, case.waves
     if wave is None or waves is None or waves.kind in ("solitary", "focused", "series"):
@@ -63,7 +70,7 @@ def steady(case: Case) -> Finding | None:
         return None
     face = flume.structure if flume.structure is not None else flume.right
     ramp = waves.ramp_time() / wave.period
-    if face is None or face <= flume.gauges[0]:  # nothing in front of the gauges sends waves back
+    if face is None or face <= flume.gauges[0]:  # nothing beyond the gauges reflects waves
         start = (flume.gauges[-1] - flume.maker) / wave.group_velocity + (ramp + SETTLE) * wave.period
         if (periods := int((end - start) / wave.period + 1e-9)) >= fewest:
             return Finding("info", "gauges", f"see steady waves from {start:.3g} s on, {periods} periods")
@@ -81,11 +88,11 @@ def steady(case: Case) -> Finding | None:
         )  # fmt: skip
     except AnalysisError as error:
         return _no_window(error)
-    return Finding("info", "gauges", f"can be taken apart from {window}")
+    return Finding("info", "gauges", f": incident and reflected waves can be separated from {window}")
 
 
 def _measured(case: Case, wave: Wave, asked: Reflection, fewest: int) -> Finding | None:
-    """The window of [reflection], as it is chosen at the end of the run."""
+    """The window of [reflection]: the one that the end of the run will choose, or a warning about the one given."""
     end = case.time.end
     if asked.window is not None:
         low, high = asked.window

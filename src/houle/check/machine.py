@@ -1,4 +1,4 @@
-"""Whether this machine can hold the run of a case: memory, and numbers for cells and particles."""
+"""The limits of this machine for the run of a case: its memory, and numbers for all cells and particles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from houle.grid import MOST_NUMBERS
 def memory_suffices(s: CrossSection, rows: int) -> Iterator[Finding]:
     """The run fits into the memory of this machine, and every cell and particle can be numbered.
 
-    rows  of cells that the run starts with
+    rows  number of rows of cells with which the run starts
     """
     needed, there = memory(s.grid, s.particles(), s.grid.shape[-1]), machine_memory()
     if there is not None and needed > 0.8 * there:
@@ -48,7 +48,7 @@ def can_be_numbered(s: CrossSection, rows: int) -> Iterator[Finding]:
 
 
 def machine_memory() -> float | None:
-    """Memory of this machine [bytes]; None where the system does not tell."""
+    """Memory of this machine [bytes]; None where the operating system does not tell it."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):

@@ -1,4 +1,4 @@
-"""`houle check` on the terminal: findings, grid, waves, boundaries, drag and price; and the section as a picture."""
+"""The output of `houle check`: findings, grid, waves, boundaries, drag and price; and the section as a picture."""
 
 from __future__ import annotations
 
@@ -34,7 +34,11 @@ from houle.waves.wave import Wave
 
 
 def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:
-    """Raises CaseError when the case cannot be run: nothing is printed or drawn then."""
+    """Prints what `houle check` says about a case, and draws its section to the file `picture`.
+
+    threads: number for which the price is told. Raises CaseError when the case cannot be run: then nothing is printed
+    or drawn.
+    """
     if not picture.resolve().parent.is_dir():
         raise CaseError(f"--picture {picture}: there is no folder {picture.parent}, make it or name another file")
     console = console or Console(highlight=False)
@@ -79,7 +83,7 @@ def _rows(title: str, rows: list[tuple[str, str]]) -> Table:
 
 
 def _drag(p: DragSheet) -> Table:
-    """Every convention side by side, so that a coefficient can be compared with any paper."""
+    """The drag of a body in every convention, so that its coefficients can be compared with any paper."""
     table = Table(title=f"porous body {p.name}", title_justify="left", show_header=False)
     grain = f", d50 = {p.grain_diameter * 1000:g} mm" if p.grain_diameter else ""
     table.add_row("law", escape(p.words))
@@ -88,7 +92,7 @@ def _drag(p: DragSheet) -> Table:
     table.add_row("material", f"n = {p.porosity:g}{grain}, C_r = {p.inertia:.4g}{alone}")
     table.add_row("drag per unit mass", f"a u_d + b |u_d| u_d with a = {p.a:.4g} 1/s, b = {p.b:.4g} 1/m")
     if p.period is not None:
-        table.add_row("to and fro", _to_and_fro(p))
+        table.add_row("oscillating flow", _oscillating(p))
     table.add_row("the same as", f"K_p = nu/a = {p.permeability:.4g} m2, C_f = b sqrt(K_p) = {p.forchheimer:.4g}")
     table.add_row(f"at u_d = {REFERENCE_VELOCITY:g} m/s", f"drag = {p.reference_gradient:.3g} g")
     if p.velocity < inf:
@@ -101,17 +105,15 @@ def _drag(p: DragSheet) -> Table:
     return table
 
 
-def _to_and_fro(p: DragSheet) -> str:
+def _oscillating(p: DragSheet) -> str:
     """Effect of the Keulegan-Carpenter number on the drag, at the expected velocity, in words."""
     if p.period == inf:
         return "steady flow, KC infinite: no waves, or a single one; period = ... in resistance changes it"
     assert p.period is not None and p.grain_diameter is not None
-    words = (
-        f"period {p.period:.4g} s: 7.5/KC with KC = |u_d| T/(n d50) where the water is, {p.oscillating:.4g} 1/s of a"
-    )
+    words = f"period {p.period:.4g} s: 7.5/KC with the local KC = |u_d| T/(n d50) makes {p.oscillating:.4g} 1/s of a"
     if p.velocity < inf:
         kc = p.velocity * p.period / (p.porosity * p.grain_diameter)
-        words += f"; KC = {kc:.3g} at {p.velocity:.3g} m/s, b as large as {1 + 7.5 / kc:.3g} times the steady one"
+        words += f"; KC = {kc:.3g} at {p.velocity:.3g} m/s, as if b were {1 + 7.5 / kc:.3g} times that of steady flow"
     return words
 
 
@@ -127,7 +129,7 @@ def _price(case: Case, threads: int) -> str:
 
 
 def wave_rows(case: Case) -> list[tuple[str, str]]:
-    """(name, words) about the wave of the case and its maker; the numbers of `wave_theory.assess`."""
+    """Rows (name, words) about the wave of the case and its maker, with the numbers of `wave_theory.assess`."""
     wave = case.wave
     if wave is None:
         return []
@@ -170,11 +172,11 @@ def _maker(case: Case, wave: Wave) -> str:
         return f"{_piston(case, wave)}{then}"
     start, end = waves.maker.x
     long = f"{(end - start) / wave.length:.2f} wavelengths"
-    return f"relaxation zone, x {start:g} to {end:g} m, {long}; takes up what comes back{then}"
+    return f"relaxation zone, x {start:g} to {end:g} m, {long}; absorbs the waves that come back{then}"
 
 
 def _piston(case: Case, wave: Wave) -> str:
-    """Stroke, height over stroke, where it moves, by which theory."""
+    """The piston in words: stroke, wave height over stroke, the places between which it moves, the theory."""
     law, read, rest = law_of_piston(case, wave)
     low, high = law.reach
     compared = f"H/stroke = {wave.height / (high - low):.3g}, " if high - low > 1e-9 else ""
@@ -193,7 +195,7 @@ def _back(read: Reading, period: float) -> str:
 
 
 def absorber_rows(case: Case) -> list[tuple[str, str]]:
-    """(name, words) of every absorbing wall."""
+    """Rows (name, words) about every absorbing wall."""
     wave, depth = case.wave, CrossSection(case).depth()
     rows = []
     for i, table in enumerate(case.absorber):
@@ -210,7 +212,7 @@ def _tuned(read: Reading, wave: Wave | None, period: float | None) -> float:
 
 
 def sponge_rows(case: Case) -> list[tuple[str, str]]:
-    """(name, words) of every sponge: where, how long, how strong, what comes back."""
+    """Rows (name, words) about every sponge: place, length, strength, share of the waves that come back."""
     wave = case.wave
     speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * CrossSection(case).depth())
     return [(place(("sponge", i), case.__dict__), _sponge(case, s, wave, speed)) for i, s in enumerate(case.sponge)]
@@ -227,7 +229,7 @@ def _sponge(case: Case, sponge: Sponge, wave: Wave | None, speed: float) -> str:
 
 
 def open_rows(case: Case) -> list[tuple[str, str]]:
-    """(side, words) of every open side: what is given, the speed and Froude number it means."""
+    """Rows (name, words) about every open side: what the case prescribes, with speed and Froude number."""
     s = CrossSection(case)
     return [(f"{table.side} side", _words(s, table)) for table in case.open]
 

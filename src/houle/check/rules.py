@@ -1,9 +1,10 @@
-"""Pre-flight: does the case make sense as a whole? Every finding quotes both numbers compared and says what to change.
+"""The rules of `houle check`: does the case make sense as a whole, before it is run?
 
-An error stops the run (`require` raises CaseError), a warning is printed, an info is printed by `houle check` only. The
-models of `case/tables/` have looked at single keys already; here shapes are compared with the domain, with each other
-and with the grid. Sections are compared exactly, as polygons (shapely), layer by layer in y in 3D. To add a check,
-write a function that yields findings and add it to CHECKS.
+Every finding quotes the two numbers that it compares and says what to change. An error stops the run (`require` raises
+CaseError), a warning is printed, an info is printed by `houle check` only. The models of `case/tables/` have checked
+single keys already; here shapes are compared with the domain, with each other and with the grid. Sections are compared
+exactly, as polygons (shapely), layer by layer in y in 3D. To add a check, write a function that yields findings and add
+it to CHECKS. The docstring of a check says what has to hold.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ from houle.medium.sections import layers, section
 from houle.medium.shapes import enclosed
 from houle.medium.thin_solids import closed_passage
 
-FEWEST = 2.0  # spacings across a porous body: below is an error
-ENOUGH = 4.0  # below is a warning
-SELDOM = 50  # steps between remeshings that add water: at every 5 a dam break has half as much again after 0.4 s
+FEWEST = 2.0  # spacings across a porous body: fewer are an error
+ENOUGH = 4.0  # spacings across a porous body: fewer are warned of
+SELDOM = 50  # least steps between remeshings that add water: with 5 a dam break has half as much again after 0.4 s
 
 
 def check(case: Case) -> list[Finding]:
@@ -59,7 +60,7 @@ def require(case: Case) -> list[Finding]:
 
 
 def simple_polygons(case: Case) -> Iterator[Finding]:
-    """Outlines that cross themselves enclose nothing definite."""
+    """No polygon crosses itself: it would enclose no definite area."""
     for key in ("water", "porous", "solid"):
         for i, row in enumerate(getattr(case, key)):
             if row.polygon is not None:
@@ -70,7 +71,7 @@ def simple_polygons(case: Case) -> Iterator[Finding]:
 
 
 def inside_domain(s: CrossSection) -> Iterator[Finding]:
-    """No shape reaches out of the domain; no level lies above it. The worst side of each is told."""
+    """No shape reaches out of the domain, and no level lies above it. Reports the side of a shape that is worst."""
     size, slack = s.case.domain.size, 1e-6 * s.case.domain.spacing
     for body in s.entries:
         kind = next(k for k in ("box", "polygon", "below") if getattr(body.row, k) is not None)
@@ -136,7 +137,7 @@ def bodies_agree(s: CrossSection) -> Iterator[Finding]:
 
 
 def grid_resolves(s: CrossSection) -> Iterator[Finding]:
-    """Bodies and grains against the spacing."""
+    """Porous bodies, solids and water are some spacings thick, and porous bodies some grains."""
     h = max(s.grid.spacing)
     for body in s.porous:
         thick = s.thickness(body)
@@ -170,7 +171,7 @@ def grid_resolves(s: CrossSection) -> Iterator[Finding]:
 
 
 def thin_solids(s: CrossSection) -> Iterator[Finding]:
-    """The windows that count as solid around thin solids leave water, and close no passage."""
+    """The windows that count as solid around thin solids (`medium.thin_solids`) leave water and close no passage."""
     windows = s.windows
     if not windows:
         return
@@ -198,7 +199,7 @@ def thin_solids(s: CrossSection) -> Iterator[Finding]:
 
 
 def spacing_divides(s: CrossSection) -> Iterator[Finding]:
-    """The spacing used along each axis is close to the one asked for."""
+    """The spacing used along each axis is within 10 % of domain.spacing."""
     asked = s.case.domain.spacing
     for name, used, size in zip(axes(s.case.dimension), s.grid.spacing, s.grid.size, strict=True):
         if abs(change := used / asked - 1) > 0.1:
@@ -211,7 +212,7 @@ def spacing_divides(s: CrossSection) -> Iterator[Finding]:
 
 
 def observables(s: CrossSection) -> Iterator[Finding]:
-    """What is observed lies in the tank, and where there is something to observe."""
+    """Every instrument lies in the tank, where there is something to observe."""
     site = site_of(s.case)
     for key in s.case.observed():
         for i, remark in asked_for(s.case, key, site).check():
@@ -220,7 +221,7 @@ def observables(s: CrossSection) -> Iterator[Finding]:
 
 
 def times(s: CrossSection) -> Iterator[Finding]:
-    """The clock of the run, its output, and a fixed step against the speed of the water."""
+    """Output is written within the run, and steps are neither too long nor too short for the water."""
     t, out = s.case.time, s.case.output
     if out.every > t.end:
         text = f"= {out.every:g} s is longer than time.end = {t.end:g} s: only the start is written, shorten it"
@@ -229,7 +230,7 @@ def times(s: CrossSection) -> Iterator[Finding]:
         text = f"= {out.series_every:g} s is longer than output.every = {out.every:g} s: 0.005 is usual"
         yield Finding("warning", "output.series_every", text)
     speed, h = s.expected_speed(), min(s.grid.spacing)
-    natural = sqrt(s.grid.spacing[-1] / max(9.81, *map(abs, s.case.acceleration)))  # of the water in a cell [s]
+    natural = sqrt(s.grid.spacing[-1] / max(9.81, *map(abs, s.case.acceleration)))  # time of fall through a cell [s]
     asked = {"output.every": out.every, "time.step": t.step, "time.courant": t.courant * WAVE_SHARE * natural}
     for key, step in asked.items():
         if step is not None and step < 10 * SHORTEST * natural:
@@ -249,7 +250,7 @@ def times(s: CrossSection) -> Iterator[Finding]:
 
 
 def materials(s: CrossSection) -> Iterator[Finding]:
-    """Values that are allowed and unusual: a slip of units more often than a wish."""
+    """Viscosity and porosities are not unusual: values far off are wrong units more often than meant so."""
     nu = s.case.fluid.viscosity
     if nu > 1e-5:
         hint = " 0.001 is the dynamic viscosity of water [Pa s]; divide by the density." if 5e-4 < nu < 2e-3 else ""
@@ -263,7 +264,7 @@ def materials(s: CrossSection) -> Iterator[Finding]:
 
 
 def remeshing(s: CrossSection) -> Iterator[Finding]:
-    """The paper's remeshing, which adds water, does not come too often."""
+    """The paper's remeshing, which adds water each time, is not asked for too often."""
     n = s.case.numerics
     if n.remesh == "paper" and n.remesh_every < SELDOM:
         text = (
@@ -274,7 +275,7 @@ def remeshing(s: CrossSection) -> Iterator[Finding]:
 
 
 def reference_is_there(s: CrossSection) -> Iterator[Finding]:
-    """The laboratory file named can be opened."""
+    """The file with laboratory data that the case names is there."""
     r, path = s.case.reference, s.case.laboratory
     if r is not None and path is not None and not is_file(path):
         text = (

@@ -1,4 +1,7 @@
-"""Can the theory carry this wave, can the grid? Numbers for `houle check`, and refusals with the cure."""
+"""Checks of a wave by itself: is it inside the range of its theory, below breaking, and resolved by the grid?
+
+The numbers go to `houle check`; doubts and refusals say the cure.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +18,17 @@ from houle.waves.stokes import URSELL, second_harmonic
 from houle.waves.wave import Wave
 
 Level = Literal["error", "warning", "info"]
-Told = tuple[Level, str]
+Told = tuple[Level, str]  # level of a finding, and its text
 
-CELLS_PER_LENGTH = (20.0, 50.0)  # refused below the first, warned of below the second
-CELLS_PER_HEIGHT = 0.2  # warned of below: at it C_R, C_T of 36 blocks came out within 0.02, heights within 0.5 %
-MATTERS = 0.02  # of the first harmonic
-BENT = 0.03  # second harmonic over height from which an airy wave is warned of
-NEAR = 0.8  # share of the breaking limit that is warned of
+CELLS_PER_LENGTH = (20.0, 50.0)  # cells in a wavelength: fewer are refused; fewer are warned of
+CELLS_PER_HEIGHT = 0.2  # least without a warning: with it C_R, C_T of 36 blocks were within 0.02, heights within 0.5 %
+MATTERS = 0.02  # share of the first harmonic: smaller harmonics do not matter
+BENT = 0.03  # second harmonic over wave height from which on an airy wave is warned of
+NEAR = 0.8  # share of the breaking limit from which on a wave is warned of
 
 
 def assess(wave: Wave, spacing: float) -> list[Told]:
-    """(level, text) rows: what the wave is, then what is doubtful or refused. spacing is the grid's [m]."""
+    """All that there is to say about a wave on a grid of this spacing [m]: its numbers as infos, then the findings."""
     return [*_numbers(wave, spacing), *_breaking(wave), *_theory(wave), *_resolution(wave, spacing)]
 
 
@@ -34,11 +37,12 @@ def _solitary(wave: Wave) -> bool:
 
 
 def _crest_to_trough(wave: Wave) -> float:
-    """The height to hold against limits [m]: of a group twice its crest."""
+    """The wave height to compare with limits [m]; that of a focused group is twice its crest."""
     return 2 * wave.height if wave.name == "focused" else wave.height
 
 
 def _numbers(wave: Wave, spacing: float) -> list[Told]:
+    """Theory, dimensionless numbers, breaking limits and resolution of the wave, as infos."""
     h, d, dx = _crest_to_trough(wave), wave.depth, spacing
     many = isinstance(wave, Linear) and len(wave.parts.k) > 1
     lim = limits(h, wave.length, d)
@@ -67,6 +71,7 @@ def _numbers(wave: Wave, spacing: float) -> list[Told]:
 
 
 def _breaking(wave: Wave) -> list[Told]:
+    """The wave is below the highest possible one, and well below the breaking limit."""
     h, d = _crest_to_trough(wave), wave.depth
     lim = limits(h, 1e9 * d if _solitary(wave) else wave.length, d)
     regular = not isinstance(wave, Linear) or len(wave.parts.k) == 1
@@ -91,6 +96,7 @@ def _breaking(wave: Wave) -> list[Told]:
 
 
 def _theory(wave: Wave) -> list[Told]:
+    """The wave is inside the range of its theory."""
     lim = limits(wave.height, wave.length, wave.depth)
     said: list[Told] = []
     most = URSELL.get(wave.name)
@@ -132,6 +138,7 @@ def _theory(wave: Wave) -> list[Told]:
 
 
 def _cnoidal(wave: Wave) -> list[Told]:
+    """A cnoidal wave is long enough, and low enough for a theory of third order."""
     ratio, height = wave.length / wave.depth, wave.height / wave.depth
     if ratio < 8:
         text = f"waves: L/d = {ratio:.3g} is below 8, where cnoidal theory ends"
@@ -143,6 +150,7 @@ def _cnoidal(wave: Wave) -> list[Told]:
 
 
 def _resolution(wave: Wave, spacing: float) -> list[Told]:
+    """The grid has enough cells in the length and the height of the wave, and of its harmonics or components."""
     h, said = _crest_to_trough(wave), list[Told]()
     least, good = CELLS_PER_LENGTH
     cells = wave.length / spacing
@@ -176,7 +184,7 @@ def _resolution(wave: Wave, spacing: float) -> list[Told]:
 
 
 def _harmonics(wave: Wave, spacing: float) -> list[Told]:
-    """The shortest harmonic that matters, of a regular wave whose first the grid carries."""
+    """The grid carries the shortest harmonic of a regular wave that matters. Silent if it cannot carry the first."""
     parts = wave.components()
     if parts is None or len(parts.k) == 1 or isinstance(wave, Linear):
         return []
@@ -196,7 +204,7 @@ def _harmonics(wave: Wave, spacing: float) -> list[Told]:
 
 
 def _short_components(wave: Wave, spacing: float) -> list[Told]:
-    """Share of the energy in components that the grid does not carry."""
+    """The grid carries all components of a sum of linear waves but a small share of their energy."""
     if not isinstance(wave, Linear) or len(wave.parts.k) == 1:
         return []
     shortest = CELLS_PER_LENGTH[0] * spacing

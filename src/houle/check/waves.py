@@ -1,7 +1,7 @@
-"""Checks of [waves] and [[sponge]]: can theory and grid carry the wave, does the maker stand in the right water.
+"""Checks of [waves] and [[sponge]]: do theory and grid carry the wave, do maker and sponges stand in the right water?
 
-`waves_fit` and `sponges_fit` are two of the checks of `rules.py`; what is printed about a sound wave is in
-`report.py`.
+`waves_fit` and `sponges_fit` are two of the CHECKS of `rules.py`; `report.py` describes a wave in which nothing is
+wrong. A maker "acts" over an interval in x (`case.acting.reach`): a source over its width, a piston over its stroke.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from houle.waves import record
 from houle.waves.dispersion import group_velocity
 from houle.waves.wave import Wave
 
-LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths of a zone or a sponge: below is a warning
-SHORT = 0.5  # of a zone for periodic waves: below is an error
-SAME = 1e-3  # of two depths: the difference [m], or its share of the depth if that is more
-TOLD = 0.35  # of the rms of a record with its two ends, what a source leaves out: more is a warning
-OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, second order a twelfth
-GROUP = 0.95  # of the crest of a focused group, what its waves that are fast enough make
-SAMPLES = 51  # columns over a maker in which the depth is looked at
+LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths: a zone or a sponge shorter than this is warned of
+SHORT = 0.5  # wavelengths: a zone shorter than this is an error for periodic waves
+SAME = 1e-3  # depths that differ by no more are the same: [m], or as a share of the depth if that is more
+TOLD = 0.35  # share of the rms of a record that a source may leave out without a warning (`left_out`)
+OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
+GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
+SAMPLES = 51  # places along a maker at which the depth is compared
 
 
 def waves_fit(s: CrossSection) -> Iterator[Finding]:
-    """[waves]: theory, grid, maker, depth, bodies, lid, gauges."""
+    """The wave of [waves] suits theory, grid and depth, and maker, bodies, lid and gauges suit the wave."""
     table, case = s.case.waves, s.case
     if table is None:
         return
@@ -71,13 +71,13 @@ def waves_fit(s: CrossSection) -> Iterator[Finding]:
 
 
 def _told(level: Literal["error", "warning"], message: str) -> Finding:
-    """A message as a finding; it may begin with the key that it is about."""
+    """A message as a finding; if it begins with a key, such as waves.height, this is the key of the finding."""
     named = re.match(r"(waves[.\w]*)(.+)", message, re.DOTALL)
     return Finding(level, named[1], named[2].removeprefix(" ")) if named else Finding(level, "waves", f": {message}")
 
 
 def _record(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """The record meets the clock of the run, has no holes; what a wall or a force leaves out of it."""
+    """The record covers the run and has no holes, and the source can make nearly all of it."""
     table, end = s.case.waves, s.case.time.end
     assert table is not None and table.file is not None
     known = read_record(table, s.case.folder)
@@ -90,15 +90,15 @@ def _record(s: CrossSection, wave: Wave) -> Iterator[Finding]:
         width = source_of(table, wave).width
         if share := left_out(parts, width):
             text = (
-                f'= "{table.file}": a source {width:.3g} m wide leaves out its mean and what is not '
-                f"{SHORTEST * width:.3g} to {LONGEST * width:.3g} m long, {share:.1%} of the rms with what "
-                "leads to still water; waves.zone or waves.piston make them"
+                f'= "{table.file}": a source {width:.3g} m wide leaves out its mean and the waves that are not '
+                f"{SHORTEST * width:.3g} to {LONGEST * width:.3g} m long, {share:.1%} of the rms of the record and the "
+                "ends that lead it to still water; waves.zone or waves.piston make them"
             )
             yield Finding("warning" if share > TOLD else "info", "waves.file", text)
 
 
 def _focus(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """The crest comes together inside the tank, before the end of the run, and early enough away from the maker."""
+    """The focus lies inside the tank and before the end of the run, and all waves can reach it in time."""
     table, case = s.case.waves, s.case
     assert table is not None and table.focus is not None
     x, time, size, end = table.focus.x, table.focus.time, case.domain.size[0], case.time.end
@@ -127,10 +127,11 @@ def _focus(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _leaves(table: Waves, wave: Wave, way: float) -> tuple[float, float]:
-    """Time in which the crest comes from the maker over this way, and the earliest at which it can stand there [s].
+    """Travel time of a crest from the maker over the distance `way` [m], and the earliest time of the crest there [s].
 
-    A single wave needs the time of its front besides; a group a period, and its waves go with their group velocities,
-    the shorter the slower: as fast as those that GROUP of the crest is made of. A zone makes them at its middle.
+    A single wave travels with its celerity and needs the time of its front in addition. The waves of a group travel
+    with their group velocities, the shorter the slower: the slowest of those that make `GROUP` of the crest counts, and
+    a period is added. A zone makes waves at its middle.
     """
     parts = wave.components()
     if parts is None:
@@ -146,7 +147,7 @@ def _leaves(table: Waves, wave: Wave, way: float) -> tuple[float, float]:
 
 
 def _source(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """The source lies inside the tank, and no sponge takes its waves away at once."""
+    """The source lies inside the tank with all its width, under no sponge, and waves behind it are absorbed."""
     table, size = s.case.waves, s.case.domain.size[0]
     assert table is not None and table.source is not None
     x = table.source.x
@@ -189,7 +190,7 @@ def _source(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _oblique(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """Crests at an angle to y meet themselves across joined sides, and are sent back by walls."""
+    """Oblique waves fit the width of the tank a whole number of times, as its sides are joined; walls would reflect."""
     case = s.case
     assert case.waves is not None
     angle, width = case.waves.direction, case.domain.size[1]
@@ -207,7 +208,7 @@ def _oblique(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _taken_up(s: CrossSection, low: float) -> Iterator[Finding]:
-    """The waves that a source sends to the left go into a sponge."""
+    """A sponge absorbs the waves that a source sends to the left."""
     if s.case.domain.periodic[0] or any(sponge.box[0][0] <= s.case.domain.spacing for sponge in s.case.sponge):
         return
     text = (
@@ -218,7 +219,7 @@ def _taken_up(s: CrossSection, low: float) -> Iterator[Finding]:
 
 
 def _zone(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """The zone begins at the left wall, is long enough, and leads along x."""
+    """The zone begins at the left wall, is long enough, holds no sponge, and its waves travel along x."""
     case, size, h = s.case, s.case.domain.size[0], s.grid.spacing[0]
     assert case.waves is not None and case.waves.zone is not None
     start, end = case.waves.zone.x
@@ -246,7 +247,7 @@ def _zone(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _piston(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """Inside the tank; the rest is in paddles.py."""
+    """The piston stands inside the tank; everything else about it is checked by `boundaries.moving_walls_fit`."""
     table, size = s.case.waves, s.case.domain.size[0]
     assert table is not None and table.piston is not None
     if not 0 < table.piston.x < size:
@@ -259,12 +260,12 @@ def _periodic(case: Case) -> bool:
 
 
 def _long_enough(case: Case) -> float:
-    """[wavelengths]"""
+    """Length of a zone or a sponge below which it is warned of [wavelengths]."""
     return LONG if _periodic(case) else LONG_OF_A_SOLITARY
 
 
 def _depth(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """waves.depth is that of the still water all along the maker."""
+    """waves.depth is the depth of the still water wherever the maker acts."""
     low, high = reach(s.case, wave)
     x = np.linspace(low, high, SAMPLES)[1:-1]
     standing = s.standing(x)[0]
@@ -285,7 +286,7 @@ def _depth(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _stones(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """No porous body where the waves are made."""
+    """No porous body stands where the maker acts."""
     low, high = reach(s.case, wave)
     for body, (x0, x1) in _porous_in(s, shapely.box(low, 0.0, high, s.window[3])):
         text = f"reaches into the maker of waves, x {x0:.3g} to {x1:.3g} m: it acts from {low:.3g} to {high:.3g} m, in "
@@ -293,7 +294,7 @@ def _stones(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _porous_in(s: CrossSection, window: shapely.Geometry, span: Reach = (-inf, inf)) -> Iterator[tuple[str, Reach]]:
-    """Porous bodies in a window of the section, in layers within a span of y; from and to x [m]."""
+    """Keys of the porous bodies in a window of the section, in layers within a span of y, and their x there [m]."""
     for body in s.porous:
         for layer in _layers(s, span):
             common = shapely.intersection(s.area([body], layer), window)
@@ -303,12 +304,12 @@ def _porous_in(s: CrossSection, window: shapely.Geometry, span: Reach = (-inf, i
 
 
 def _layers(s: CrossSection, span: Reach) -> list[shapes.Span]:
-    """Layers whose middle lies in a span of y [m]; the one layer of 2D always."""
+    """Layers with their middle in a span of y [m]; in 2D the one layer, always."""
     return [y for y in s.layers if s.case.dimension == 2 or span[0] <= (y[0] + y[1]) / 2 <= span[1]]
 
 
 def _crests(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """Cells in the water over what it covers: short harmonics arise there, and the grid has to carry them."""
+    """There are enough cells in the water over submerged crests: short harmonics arise there."""
     level, h = s.depth(), s.grid.spacing[-1]
     for body in (*s.solid, *s.porous):
         left = level - float(body.shape.bounds[1][-1])
@@ -323,7 +324,7 @@ def _crests(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _lid(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """The crests stay below the lid, and so do those of a wave that is sent back whole."""
+    """The crests stay below the lid, even those of a wave that is fully reflected, which are twice as high."""
     top, still = s.case.domain.size[-1], s.depth()
     freeboard = top - still
     if freeboard >= 2 * wave.crest:
@@ -345,7 +346,7 @@ def _lid(s: CrossSection, wave: Wave) -> Iterator[Finding]:
 
 
 def _gauges(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """Gauges see the waves where nothing acts on them but water."""
+    """No gauge lies in the maker or in a sponge."""
     case = s.case
     assert case.waves is not None
     what = {Source: "waves.source", Zone: "waves.zone", Piston: "the reach of waves.piston"}[type(case.waves.maker)]
@@ -367,7 +368,7 @@ def sponges_fit(s: CrossSection) -> Iterator[Finding]:
     try:
         wave = s.case.wave
     except CaseError:
-        wave = None  # told by waves_fit
+        wave = None  # waves_fit reports the error
     for i, sponge in enumerate(s.case.sponge):
         found = list(_placed(s, i, sponge))
         yield from found
@@ -381,7 +382,7 @@ def _key(case: Case, i: int) -> str:
 
 
 def _placed(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
-    """Inside the domain, at one of its sides."""
+    """The sponge lies inside the domain and touches one side of it, which is a wall."""
     case, size = s.case, s.case.domain.size
     names = ("x", "z") if case.dimension == 2 else ("x", "y", "z")
     key, slack = f"{_key(case, i)}.box", 1e-6 * case.domain.spacing
@@ -397,19 +398,19 @@ def _placed(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
     if len(touched) != 1:
         low, high = sponge.box[0][0], sponge.box[1][0]
         if len(touched) > 1:
-            held = "touches two sides of the tank that meet: it must touch one, make two sponges of it"
+            text = "touches two sides of the tank that meet: it must touch one, make two sponges of it"
         elif low <= near and high >= size[0] - near:
-            held = f"goes from side to side, x 0 to {size[0]:g} m: it must touch one side only, and leave water free"
+            text = f"goes from side to side, x 0 to {size[0]:g} m: it must touch one side only, and leave water free"
         else:
-            held = (
+            text = (
                 f"from x = {low:g} to {high:g} m touches no side of the tank: one end must lie at x = 0 or "
                 f"x = {size[0]:g} m" + (", or at a side along y" if case.dimension == 3 else "")
             )
-        yield Finding("error", key, held)
+        yield Finding("error", key, text)
     elif case.domain.periodic[touched[0][0]]:
         axes = "xy"[touched[0][0]]
-        held = f'lies at a side that domain.walls.{axes} = "periodic" joins to the other: there is no wall to shield'
-        yield Finding("error", key, held)
+        text = f'lies at a side that domain.walls.{axes} = "periodic" joins to the other: there is no wall to shield'
+        yield Finding("error", key, text)
 
 
 def _filled(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
@@ -436,7 +437,7 @@ def _filled(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
 
 
 def _long(s: CrossSection, i: int, sponge: Sponge, wave: Wave | None) -> Iterator[Finding]:
-    """A sponge much shorter than the wave reflects it."""
+    """The sponge is long enough beside the wave: a short one reflects it."""
     axis, _ = sides(sponge.box, s.case.domain.size, min(s.grid.spacing) / 2)[0]
     long = sponge.box[1][axis] - sponge.box[0][axis]
     if wave is not None and long < _long_enough(s.case) * wave.length and wave.name != "series":

@@ -1,1 +1,1 @@
-"""Numbers from files of others: tables of loggers and spreadsheets, histories in time, points of a laboratory."""
+"""Measured data from files: tables of loggers and spreadsheets, records in time, points of a laboratory."""

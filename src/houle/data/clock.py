@@ -1,4 +1,4 @@
-"""Stamps of date and time in a table, as loggers write them, and the seconds that they mean."""
+"""Stamps of date and time in a table, as loggers write them, converted to seconds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ STAMP = re.compile(rf"(?:{DATE})?(?:(?<=\d)[T ]+)?(?:{CLOCK})?", re.ASCII)
 
 
 def stamp_columns(cells: list[str]) -> int:
-    """Counts the columns at the left that hold date and time: 1 for "2024-03-01 12:00:00", 2 for a date and a clock."""
+    """Number of columns at the left that hold date and time: 1 for "2024-03-01 12:00:00", 2 for a date and a clock."""
     if not cells or not (first := _stamp(cells[0])):
         return 0
     date_only = first["a"] is not None and first["h"] is None
@@ -24,7 +24,7 @@ def stamp_columns(cells: list[str]) -> int:
 
 
 def _stamp(cell: str) -> re.Match[str] | None:
-    """Returns the parts of a date, a clock or both in a cell; None where it holds something else."""
+    """The parts of a date, a clock time or both in a cell; None if it holds something else."""
     found = STAMP.fullmatch(cell)
     if not found or (found["a"] is None and found["h"] is None):
         return None
@@ -32,10 +32,16 @@ def _stamp(cell: str) -> re.Match[str] | None:
 
 
 class Clock:
-    """Turns the stamps of a table, row by row, into seconds since the first day.
+    """Converts the stamps of a table, row by row, to seconds since midnight of the first day.
 
-    Which of two numbers is the day is found from the rows, or must not matter. A clock without dates goes on past
-    midnight. A row that is wrong raises `error` with the name of the file and the line.
+    In a date such as 03/04/24 the rows have to show which number is the day: one above 12 does. If all rows have the
+    same date the order does not matter. A clock without dates goes on past midnight. A row that is wrong raises `error`
+    with the name of the file and the line.
+
+    first      parts of the first date whose order is not known, None before there is one
+    day_first  whether the day stands first; None as long as this is not known
+    last       time of the last row [s]; midnights: times that a clock without dates has passed midnight
+    origin     number of the first day, as of `date.toordinal`
     """
 
     def __init__(self, name: str, error: type[Exception]) -> None:
@@ -44,10 +50,10 @@ class Clock:
         self.day_first: bool | None = None
         self.last = -inf
         self.midnights = 0
-        self.origin: int | None = None  # number of the first day
+        self.origin: int | None = None
 
     def seconds(self, cells: list[str], number: int) -> str:
-        """Returns the time of the stamp in these cells of line `number`, written as a number of seconds."""
+        """The time of the stamp in these cells of line `number`, as text with a number of seconds."""
         found = STAMP.fullmatch(" ".join(cells))
         try:
             if found is None or (found["a"] is None and found["h"] is None):
@@ -68,6 +74,7 @@ class Clock:
 
     @staticmethod
     def _clock(found: re.Match[str]) -> float:
+        """Seconds since midnight; 0 for a date alone. Raises ValueError where there is no such time."""
         if found["h"] is None:
             return 0.0
         hour, minute, second = float(found["h"]), found["m"].replace(",", "."), found["s"]
@@ -80,7 +87,7 @@ class Clock:
         return 3600.0 * hour + 60.0 * float(minute) + float((second or "0").replace(",", "."))
 
     def _day(self, found: re.Match[str], number: int) -> int:
-        """Counts days as `date.toordinal` does. Raises ValueError, or `error` where day and month may be swapped."""
+        """Number of the day, as of `date.toordinal`. Raises `error` where day and month may be swapped."""
         a, b, c = found["a"], found["b"], found["c"]
         if len(a) == 4:
             return datetime.date(int(a), int(b), int(c)).toordinal()

@@ -1,12 +1,12 @@
 """Tables of numbers as laboratories, loggers and spreadsheets write them: CSV, tabs, blanks, LabVIEW.
 
-`form.sniff` finds out how the numbers of a file are written. They then go through NumPy's loadtxt line by line: a table
-of 1 GB needs little more memory than its numbers. Whatever does not fit is refused with the number of its line; nothing
-is guessed twice.
+`form.sniff` finds out how the numbers of a file are written. They then go through NumPy's loadtxt line by line, so that
+a table of 1 GB needs little more memory than its numbers. A row that does not fit is refused with the number of its
+line.
 
-pandas does not do this: it wants to be told the separator, the decimal sign, the lines to leave out and the encoding.
-Once they are known loadtxt is as exact, tells more about what is wrong, and every run that reads a table is spared the
-half second and the memory of importing it.
+pandas would not save this work: it has to be told the separator, the decimal sign, the lines to leave out and the
+encoding. Once these are known, loadtxt is as exact, its errors are more precise, and a run that reads a table does not
+spend half a second and memory on importing pandas.
 """
 
 from __future__ import annotations
@@ -25,15 +25,20 @@ from houle.data.form import MISSING, NUMBER, Form, cells_of, encoding_of, lines_
 from houle.data.units import is_time, ratio, unit_of
 from houle.errors import CaseError, HouleError
 
+# numbers that loggers write for a missing value
 CODES = (99.9, 99.99, 999.0, 999.9, 999.99, 999.25, 9999.0, 9999.9, 9999.25, 9999.99, 99999.0, 99999.9, 999999.0,
          32767.0, 32768.0, 65535.0)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Table:
-    """values (N, C), NaN where a cell is empty; names (C,) and units (C,) as written, "" without; lines (N,) of the
-    file, from 1. stamped: the first column is a date or a clock, in seconds since the first row. above: lines before
-    the numbers that are neither names nor units.
+    """A table of N rows and C columns.
+
+    names, units  (C,) as written in the file, "" without
+    values        (N, C), NaN where a value is missing
+    lines         (N,) number of the line of each row, from 1
+    stamped       whether the first column was a date or a clock: it holds seconds since the first row
+    above         lines above the numbers, also those of names and units
     """
 
     names: tuple[str, ...]
@@ -45,7 +50,7 @@ class Table:
 
 
 def read_table(file: Path | str, name: str, error: type[HouleError]) -> Table:
-    """The table in a file. Raises `error`, the message beginning with `name`, when there is none, or a row is wrong."""
+    """The table in a file. Raises `error`, with a message that begins with `name`, where it has none or a wrong row."""
     encoding = encoding_of(file, name, error)
     form = sniff(file, encoding, name, error)
     lines = array("q")
@@ -59,7 +64,7 @@ def read_table(file: Path | str, name: str, error: type[HouleError]) -> Table:
         raise error(f"{name} is not a table of numbers: {problem}") from None
     values[~np.isfinite(values)] = np.nan
     if form.stamps:
-        values[:, 0] = np.round(values[:, 0] - values[0, 0], 9)  # s, of stamps of a nanosecond
+        values[:, 0] = np.round(values[:, 0] - values[0, 0], 9)  # stamps are no finer than a nanosecond
     names = form.names or [""] * form.columns
     units = form.units or lvm_units(form) or [""] * form.columns
     if form.stamps == 2:
@@ -69,7 +74,7 @@ def read_table(file: Path | str, name: str, error: type[HouleError]) -> Table:
 
 
 def header(file: Path, key: str, error: type[CaseError] = CaseError) -> list[str]:
-    """The names of the columns. Raises `error` when the file, named by `key` of the case file, cannot be read."""
+    """The names of the columns in a file. Raises `error` where it cannot be read; key: the key that names the file."""
     name = f"{key} = {file}"
     return sniff(file, encoding_of(file, name, error), name, error).names
 
@@ -79,9 +84,10 @@ def read_columns(
 ) -> tuple[list[NDArray[np.float64]], NDArray[np.float64]]:
     """The columns (N,) of these names, in this order; and the whole table (N, columns of the file).
 
-    `key` of the case file names the file. eta_m is also found as "eta [mm]", t_s as "Time (ms)" or as a stamp of date
-    and time, and brought to the unit asked for. What is missing is NaN. Raises `error` when the file cannot be read, is
-    no such table, or holds a code for a missing value.
+    A column eta_m is also found as "eta [mm]", and t_s as "Time (ms)" or as a stamp of date and time; the values are
+    converted to the unit in the name that is asked for. Missing values are NaN. key: the key of the case file that
+    names the file, for messages. Raises `error` where the file cannot be read, lacks a column, or holds a code for a
+    missing value.
     """
     name, wanted = f"{key} = {file}", ",".join(columns)
     try:
@@ -106,10 +112,10 @@ def read_columns(
 
 
 def missing_codes(values: NDArray[np.float64], units: tuple[float, ...] = (1.0,)) -> NDArray[np.bool_]:
-    """Where values (N,) are codes for a missing one: nines (-9999, 99.99, 999.9), -999.25, 32767, 1e15 and above.
+    """True (N,) for values that are codes for a missing one: nines (-9999, 99.99, 999.9), -999.25, 32767, above 1e15.
 
-    Such a number is taken for a code only if it lies away from all others by more than three times their range. units:
-    factors by which the codes may have been multiplied before.
+    Such a number counts as a code only if it is farther from all others than three times their range. units: factors by
+    which the codes may have been multiplied before.
     """
     size = np.abs(values)
     likely = size >= 1e15
@@ -125,7 +131,10 @@ def missing_codes(values: NDArray[np.float64], units: tuple[float, ...] = (1.0,)
 
 
 def _find(table: Table, column: str) -> tuple[int, float] | None:
-    """Place of a column and the factor to its unit: its name as it is, or its stem with a unit of the same kind."""
+    """Number of a column in the table, and the factor to the unit that is asked for; None if it is not there.
+
+    It is found by its name as it is, or by the stem of its name with another unit of the same kind.
+    """
     if column in table.names:
         place = table.names.index(column)
         unit = table.units[place].strip("[]() ").lower()
@@ -143,9 +152,10 @@ def _find(table: Table, column: str) -> tuple[int, float] | None:
 
 
 def _rows(lines: Iterator[tuple[int, str]], form: Form, where: array[int], clock: Clock, strict: bool) -> Iterator[str]:
-    """Rows as loadtxt reads them: numbers with points between marks, nan for what is missing. Line numbers to where.
+    """The rows as loadtxt reads them: numbers with decimal points between marks, nan for missing values.
 
-    A row of plain numbers goes through as it is. strict: each number is looked at, and the first bad one is named.
+    Appends the number of the line of each row to `where`. A row of plain numbers is passed on as it is; if strict, each
+    number is checked, and the first bad one raises the error of the form.
     """
     mark, columns = form.mark, form.columns
     plain = re.compile(rf"[-+.eE\d {re.escape(mark or ' ')}]+").fullmatch
@@ -168,11 +178,12 @@ def _rows(lines: Iterator[tuple[int, str]], form: Form, where: array[int], clock
 
 
 def _has_gap(text: str, mark: str) -> bool:
+    """True for a row with an empty cell."""
     return mark + mark in text or text[0] == mark or text[-1] == mark or f"{mark} " in text or " " + mark in text
 
 
 def _numbers(form: Form, number: int, text: str, clock: Clock) -> list[str]:
-    """The cells of a row, each a number or nan. Raises the error of the form with the line."""
+    """The cells of a row, each a number or nan. Raises the error of the form, with the line, for anything else."""
     cells = cells_of(text, form.mark)
     if form.remark:
         cells = cells[: form.columns]
@@ -185,6 +196,7 @@ def _numbers(form: Form, number: int, text: str, clock: Clock) -> list[str]:
 
 
 def _number(form: Form, number: int, column: int, cell: str) -> str:
+    """A cell as a number with a decimal point, or nan. The file must have one decimal sign only."""
     if cell.lower() in MISSING:
         return "nan"
     plain = cell.replace("−", "-")

@@ -1,4 +1,4 @@
-"""Files that a case names: whether they are there, and can be read."""
+"""Files that a case names: are they there, and can they be read?"""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from houle.errors import CaseError
 
 
 def exists(path: Path) -> bool:
-    """Whether something is there; False for a name that the system does not take."""
+    """True if something exists at a path; False also for a name that the system does not allow."""
     try:
         return path.exists()
     except (OSError, ValueError):
@@ -16,6 +16,6 @@ def exists(path: Path) -> bool:
 
 
 def require_file(file: Path, key: str, error: type[CaseError] = CaseError) -> None:
-    """Raises `error` where something else than a file is: a device or a pipe would be read for ever."""
+    """Raises `error` if a folder, a device or a pipe is at a path: a device or a pipe would be read for ever."""
     if exists(file) and not file.is_file():
         raise error(f"{key} = {file} cannot be read: it is a folder, a device or a pipe, no file")

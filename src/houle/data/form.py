@@ -1,8 +1,8 @@
-"""The form of a table in a text file, read off its first lines: how its numbers are written, and what they are called.
+"""The form of a table in a text file, found from its first lines: how its numbers are written, and the column names.
 
-The encoding is UTF-8, UTF-16, else Windows-1252; the separator ;, tab, comma, | or blanks; the decimal sign a point or
-a comma. Above the numbers may stand titles and comments, a line of names and a line of units; stamps of date and time
-may stand to the left of them, remarks to the right.
+The encoding is UTF-8, UTF-16, or else Windows-1252; the separator is ;, tab, comma, | or blanks; the decimal sign is a
+point or a comma. Titles and comments, a line of names and a line of units may stand above the numbers, stamps of date
+and time to their left, and remarks to their right.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from houle.data.clock import stamp_columns
 from houle.data.units import LENGTHS, are_units, is_time
 from houle.errors import HouleError
 
-LONGEST = 1 << 20  # letters of a line
-HEAD = 2000  # lines in which the numbers begin
-MARKS = (";", "\t", ",", "|", None)  # between cells, None: blanks; in the order of trust
+LONGEST = 1 << 20  # most letters in a line
+HEAD = 2000  # lines within which the numbers must begin
+MARKS = (";", "\t", ",", "|", None)  # separators of cells, the most reliable first; None: blanks
 NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eEdD][-+]?\d+)?", re.ASCII)
 MISSING = {"", "nan", "-nan", "+nan", "nan(ind)", "-nan(ind)", "na", "n/a", "null", "none", "nil", "inf", "-inf",
            "+inf", "-", "--", "---", "*", "**", "***", "****", "*****", "?", "#n/a", "#na", "#nv", "#value!",
@@ -32,14 +32,17 @@ REMARKS = {"comment", "comments", "remark", "remarks", "bemerkung"}
 
 @dataclass
 class Form:
-    """How the numbers of a file are written.
+    """The form of a table: how its numbers are written, and the names of its columns.
 
-    name, error  the file as messages call it, and what they are raised as
-    mark         what stands between cells, None: blanks
-    columns      number of columns; `stamps` of them, at the left, hold date and time: 0, 1 or 2
-    first        number of the first line with numbers, from 1
-    remark       whether a last column of words follows
-    decimal      the decimal sign, "" until one is met
+    name     name of the file in messages; error: class of the errors to raise
+    mark     separator of the cells; None: blanks
+    columns  number of columns, without remarks
+    stamps   number of columns at the left that hold date and time: 0, 1 or 2
+    first    number of the first line with numbers, from 1
+    remark   whether a last column of words follows
+    names    names of the columns, empty without; units: the same
+    above    lines above the numbers, comments first
+    decimal  decimal sign, "" until one has been met
     """
 
     name: str
@@ -56,7 +59,7 @@ class Form:
 
 
 def encoding_of(file: Path | str, name: str, error: type[HouleError]) -> str:
-    """Returns the name of the encoding of a file. Raises `error` where it is no file, cannot be read, or is no text."""
+    """The name of the encoding of a file. Raises `error` where it is no file, cannot be read, or is not text."""
     try:
         mode = os.stat(file).st_mode
         if not stat.S_ISREG(mode):
@@ -82,7 +85,7 @@ def encoding_of(file: Path | str, name: str, error: type[HouleError]) -> str:
 
 
 def lines_of(file: Path | str, encoding: str, name: str, error: type[HouleError]) -> Iterator[tuple[int, str]]:
-    """Yields number, from 1, and text of every line of a file."""
+    """Number, from 1, and text of every line of a file. Raises `error` where it cannot be read or is not text."""
     number = 0
     try:
         with open(file, encoding=encoding, errors="replace") as stream:
@@ -98,7 +101,10 @@ def lines_of(file: Path | str, encoding: str, name: str, error: type[HouleError]
 
 
 def sniff(file: Path | str, encoding: str, name: str, error: type[HouleError]) -> Form:
-    """Finds the form of a file in the lines in which its numbers begin. Raises `error` where there are none."""
+    """The form of a file, from the first lines with numbers in it. Raises `error` where there are none.
+
+    The numbers begin at the first line that, with one of `MARKS`, holds numbers only, as does the line after it.
+    """
     head: list[tuple[int, str]] = []
     for number, line in lines_of(file, encoding, name, error):
         head.append((number, line))
@@ -120,12 +126,13 @@ def sniff(file: Path | str, encoding: str, name: str, error: type[HouleError]) -
 
 
 def _with_remark(lines: list[tuple[int, str]], i: int, mark: str | None) -> bool:
+    """True if the line above row i calls its last column a remark or a comment."""
     above = _trimmed(cells_of(lines[i - 1][1], mark)) if i and mark else []
     return len(above) > 1 and above[-1].lower() in REMARKS
 
 
 def _holds_numbers(cells: list[str]) -> bool:
-    """Whether these are the cells of a row: numbers and missing ones, at least one number, stamps at the left."""
+    """True for the cells of a row of the table: numbers or missing values, at least one number, stamps at the left."""
     rest = cells[stamp_columns(cells) :]
     numbers = sum(map(is_number, rest))
     return numbers > 0 and all(is_number(cell) or cell.lower() in MISSING for cell in rest)
@@ -134,7 +141,12 @@ def _holds_numbers(cells: list[str]) -> bool:
 def _name_columns(
     form: Form, head: list[tuple[int, str]], text: list[tuple[int, str]], i: int, rows: list[list[str]]
 ) -> None:
-    """Finds names and units in the lines above row i, and how many columns there are."""
+    """Sets names, units, columns, stamps and above of the form, from the lines above row i.
+
+    head: all first lines with their numbers; text: those that are not empty and no comments; rows: cells of the first
+    rows of numbers. Raises the error of the form where the line above the numbers fits them neither as names nor as a
+    title.
+    """
     counts = [len(_trimmed(row)) for row in rows]
     filled, most = max(set(counts), key=lambda n: (counts.count(n), n)), len(rows[0])
     form.stamps = stamp_columns(rows[0])
@@ -170,7 +182,7 @@ def _name_columns(
 
 
 def _splits(line: str, mark: str | None) -> Iterator[list[str]]:
-    """The line of names taken apart as the rows are, then in the other ways that there are."""
+    """The cells of a line of names: split as the rows are, then in every other way."""
     first = [] if mark is None else [_trimmed(cells_of(line, mark))]
     others = [_trimmed(cells_of(line, m)) for m in MARKS if m is not None and m in line and m != mark]
     blanks = [re.split(r"\s+(?![\[(])", line.strip()), line.split(), re.split(r"\s{2,}|\t", line.strip())]
@@ -178,7 +190,7 @@ def _splits(line: str, mark: str | None) -> Iterator[list[str]]:
 
 
 def _require_title(form: Form, line: str, number: int, columns: int) -> None:
-    """The line above the numbers must be words, not a line of names with too many or too few."""
+    """Raises the error of the form if the line above the numbers is a line of names, too many or too few, no title."""
     cells = _trimmed(cells_of(line, form.mark))
     names = len(cells) > 1 and (form.mark is not None or is_time(cells[0]))
     if names and not cells[0].startswith("***"):
@@ -186,7 +198,7 @@ def _require_title(form: Form, line: str, number: int, columns: int) -> None:
 
 
 def lvm_units(form: Form) -> list[str]:
-    """Units of the columns that the header of a LabVIEW measurement tells, if all are lengths; else none."""
+    """Units of the columns from the header of a LabVIEW measurement, if all of them are lengths; else none."""
     lines = (_trimmed(cells_of(line, form.mark)) for line in form.above if line.startswith("Y_Unit_Label"))
     told = next(lines, [])[1:]
     levels = [i for i, name in enumerate(form.names) if not is_time(name)]
@@ -199,7 +211,7 @@ def lvm_units(form: Form) -> list[str]:
 
 
 def cells_of(line: str, mark: str | None) -> list[str]:
-    """The cells of a line, without blanks and quotes around them."""
+    """The cells of a line between the separators `mark`, without blanks and quotes around them."""
     if mark is None:
         return line.replace('"', "").split()
     line = line.strip(" \r\n") if mark == "\t" else line.strip()
@@ -212,12 +224,13 @@ def cells_of(line: str, mark: str | None) -> list[str]:
 
 
 def _trimmed(cells: list[str]) -> list[str]:
-    """Returns the cells without the empty ones at the end."""
+    """The cells without the empty ones at the end."""
     last = max((i for i, cell in enumerate(cells) if cell), default=-1)
     return cells[: last + 1]
 
 
 def is_number(cell: str) -> bool:
+    """True for a number, which may have a decimal point or comma and an exponent."""
     return NUMBER.fullmatch(cell.replace("−", "-")) is not None
 
 

@@ -1,8 +1,8 @@
-"""Histories: values against time in a file beside the case, on the clock of the run, and where they do not serve it.
+"""Histories: values against time from a file beside the case, on the clock of the run, and checks that they suffice.
 
-A file has a clock of its own; `start` is the time on it at which the run begins. Rows without a number are left out,
-and so are rows that stand twice. Between samples a value goes along a straight line: over a hole that is longer than a
-few usual steps this would make up what was not measured, so such a hole is told unless the case allows it.
+A file has its own clock; `start` is the time on it at which the run begins. Rows without a number are left out, and so
+are repeated rows. Between samples a value is interpolated linearly: over a hole longer than a few usual steps this
+would invent data, so such a hole is an error unless the case allows it.
 """
 
 from __future__ import annotations
@@ -19,17 +19,22 @@ from houle.data.files import require_file
 from houle.errors import CaseError
 from houle.grid import FloatArray
 
-USUAL = 90  # per cent of the steps are no longer than the usual one: few holes do not make it long
-HOLE = 3.5  # usual steps without a sample from which on it is a hole: two in a row may be missing
-REST = 0.01  # of the span of values: what changes less at an end is at rest there
-FEW = 3  # steps at an end that tell whether it is at rest
+USUAL = 90  # percentile of the steps that is the usual one: a few holes do not change it
+HOLE = 3.5  # usual steps: a longer step is a hole, so that two samples in a row may be missing
+REST = 0.01  # share of the range of values: a value that changes less at an end is at rest there
+FEW = 3  # steps at an end in which it has to be at rest
 
-Told = tuple[Literal["error", "warning", "info"], str]
+Told = tuple[Literal["error", "warning", "info"], str]  # level of a finding, and its text
 
 
 @dataclass(frozen=True)
 class History:
-    """time (N,) rising, on the clock of the run [s]; values, each (N,); start, time of the file at its t = 0 [s]."""
+    """Values against time.
+
+    time    (N,) rising, on the clock of the run [s]
+    values  arrays (N,), one per column
+    start   time on the clock of the file at which the run begins [s]
+    """
 
     time: FloatArray
     values: list[FloatArray]
@@ -37,11 +42,11 @@ class History:
 
     @property
     def step(self) -> float:
-        """The usual one [s]."""
+        """Usual step of time between samples [s]; 0 for a single one."""
         return float(np.percentile(np.diff(self.time), USUAL)) if len(self.time) > 1 else 0.0
 
     def resting(self, last: bool, still: float | None) -> bool:
-        """Whether all values stay as they are at that end, or at a level `still`."""
+        """True if all values are at rest at the last end, or the first: as they are there, or at `still` if given."""
         for value in self.values:
             end = value[-FEW - 1 :] if last else value[: FEW + 1]
             level = still if still is not None else float(end[-1 if last else 0])
@@ -52,21 +57,24 @@ class History:
 
 @dataclass(frozen=True)
 class Record:
-    """A value against time: linear between its points, constant before and after."""
+    """A value (N,) against time (N,) [s]: linear between its points, constant before and after them."""
 
     time: FloatArray
     value: FloatArray
 
     def at(self, t: float) -> float:
+        """The value at the time t [s]."""
         return float(np.interp(t, self.time, self.value))
 
 
 def read_history(
     file: Path, columns: tuple[str, ...], key: str, least: int, start: float = 0.0, error: type[CaseError] = CaseError
 ) -> History:
-    """The columns of a file against its column t_s. Raises `error`, which names the key of the case file, and the row.
+    """The columns of a file against its column t_s. Raises `error` with the key of the case file and the row.
 
+    key    key of the case file that names the file
     least  number of samples that are needed
+    start  time in the file at which the run begins [s]
     """
     require_file(file, key, error)
     (time, *values), _ = read_columns(file, ("t_s", *columns), key, error)
@@ -91,10 +99,13 @@ def read_history(
 def shortcomings(
     known: History, end: float, gap: float | None, still: float | None = None, outside: str = "the last value is held"
 ) -> Iterator[Told]:
-    """What a history of a run to `end` [s] lacks, in words that follow its key: time in common, an end, samples.
+    """Findings about a history for a run to `end` [s]: does it cover the run, and has it no holes?
 
-    gap      longest hole that a straight line may stand for [s]; HOLE usual steps if None
-    still    the value of rest, any if None          outside  what is taken where the file says nothing
+    The texts are read after the key of the case file.
+
+    gap      longest hole that is interpolated [s]; None: `HOLE` usual steps
+    still    value at rest; None: any
+    outside  words for the values that are taken before and after the samples
     """
     first, last, low, high = (float(t) + known.start for t in (known.time[0], known.time[-1], 0.0, end))
     has = f"has times from {first:.12g} to {last:.12g} s, the run takes {low:.12g} to {high:.12g} s of its clock"
@@ -113,7 +124,7 @@ def shortcomings(
 
 
 def _holes(known: History, end: float, gap: float | None) -> Iterator[Told]:
-    """Those inside the run, the longest of them with its place."""
+    """An error if there are holes within the run, with the place of the longest one."""
     allowed = HOLE * known.step if gap is None else gap * (1 + 1e-9)
     before, after = known.time[:-1], known.time[1:]
     long = np.flatnonzero((after - before > allowed) & (after > 0.0) & (before < end))

@@ -1,4 +1,4 @@
-"""Laboratory points beside a run: reading them, and how far the computed surface is from them."""
+"""Laboratory points of the free surface: reading them, and the error of a computed surface against them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Data(Protocol):
 
 
 COLUMNS = ("t_s", "x_m", "eta_m")
-SAME = 1e-9  # s
+SAME = 1e-9  # [s] times that differ by less are the same
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,18 @@ class Points:
 
     @property
     def times(self) -> list[float]:
+        """The times at which there are points, ascending [s]."""
         return [float(t) for t in np.unique(self.time)]
 
 
 @dataclass(frozen=True)
 class Score:
-    """rms of computed minus measured level [m]: per laboratory time, and over all points of the times > 0."""
+    """Error of a run against laboratory points: the rms of computed minus measured level [m].
+
+    times    laboratory times that the run has reached [s]; rms: the error at each [m]
+    overall  error over all points of the times after 0 [m]
+    points   number of points of all these times
+    """
 
     times: list[float]
     rms: list[float]
@@ -62,14 +68,15 @@ def read(file: Path) -> Points:
 
 
 def instants(file: Path | None) -> list[float]:
-    """The times [s] of the laboratory points in a file, at which a run leaves a profile and a frame; none without."""
+    """The times [s] of the laboratory points in a file, at which a run writes a profile and a frame; none without."""
     return [] if file is None else read(file).times
 
 
 def level(surface: Data, time: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Computed level [m] at x: linear between wet columns, ends carried on; linear in time if no profile is at `time`.
+    """Computed level [m] at x (N,) [m] and time [s], from the profiles of a run; NaN where all is dry.
 
-    In 3D the mean over the wet columns across the width. NaN when all is dry.
+    It is linear between wet columns, constant beyond the outermost, and linear between two profiles if there is none at
+    this time. In 3D it is the mean over the wet columns across the width.
     """
     times, eta = surface["time"].values, surface["eta"].values
     near = _around(times, time)
@@ -81,7 +88,7 @@ def level(surface: Data, time: float, x: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def along(eta: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A profile (nx,) as it is; of one over the plan (ny, nx) the mean of the wet columns across the width."""
+    """A profile (nx,): as it is in 2D; in 3D (ny, nx) the mean of the wet columns across the width."""
     if eta.ndim == 1:
         return eta
     wet = np.isfinite(eta)
@@ -90,7 +97,7 @@ def along(eta: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def score(points: Points, surface: Data) -> Score | None:
-    """How far the run is from the laboratory at the times it has reached; None if it has reached none after 0."""
+    """Error of the run at the laboratory times that it has reached; None if it has reached none after 0."""
     reached = [t for t in points.times if t <= surface["time"].values[-1] + SAME]
     errors = [level(surface, t, points.x[points.time == t]) - points.eta[points.time == t] for t in reached]
     later = [e for t, e in zip(reached, errors, strict=True) if t > 0]
@@ -109,7 +116,7 @@ def _rms(values: NDArray[np.float64]) -> float:
 
 
 def _around(times: NDArray[np.float64], time: float) -> list[int]:
-    """Index of the profile at this time (to SAME), or of the two around it."""
+    """Number of the profile at this time (`SAME`), or of the two around it."""
     nearest = int(np.argmin(np.abs(times - time)))
     if abs(times[nearest] - time) < SAME or time > times[-1] or time < times[0]:
         return [nearest]

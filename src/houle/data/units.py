@@ -1,9 +1,10 @@
-"""Units of lengths and times, and how the columns of a table name them."""
+"""Units of lengths and times, as the names of columns in a table give them."""
 
 from __future__ import annotations
 
 import re
 
+# lengths by unit [m], times by unit [s], and units of other quantities that a table may hold
 LENGTHS = {"m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3,
            "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "km": 1e3, "in": 0.0254,
            "inch": 0.0254, "ft": 0.3048, "feet": 0.3048}  # fmt: skip
@@ -20,9 +21,7 @@ TIME_NAMES = re.compile(
 
 
 def unit_of(name: str) -> tuple[str, str]:
-    """Splits a column name into name and unit: W1 [mm], t(ms), W1_cm, eta / mm, Time s; the unit is "" where none is
-    written.
-    """
+    """A column name split into name and unit: W1 [mm], t(ms), W1_cm, eta / mm, Time s; the unit is "" without one."""
     word = name.strip()
     if found := re.fullmatch(r"(.*?)\s*[\[({]\s*([^\])}]*?)\s*[\])}]", word):
         inside = found[2]
@@ -40,19 +39,19 @@ def unit_of(name: str) -> tuple[str, str]:
 
 
 def is_time(name: str) -> bool:
-    """Whether a column of this name is one of times: t, Time [s], Zeit, X_Value, ..."""
+    """True for the name of a column of times: t, Time [s], Zeit, X_Value, ..."""
     stem, unit = unit_of(name)
     return bool(TIME_NAMES.fullmatch(stem.strip())) and (not unit or unit.lower() in TIMES or unit.lower() in OTHERS)
 
 
 def ratio(unit: str, own: str) -> float:
-    """Returns how many of the unit `own` one `unit` is; 0 if one is a length and the other a time, or unknown."""
+    """Factor from `unit` to the unit `own`: 10 from cm to mm; 0 if one is a length and the other a time, or unknown."""
     kind = next((k for k in (LENGTHS, TIMES) if unit in k and own in k), None)
     return kind[unit] / kind[own] if kind else 0.0
 
 
 def are_units(cells: list[str]) -> bool:
-    """Whether a line with these cells is one of units: all look like units, and half of them are known ones."""
+    """True for the cells of a line of units: all look like units, and at least half are known ones."""
     bare = [cell.strip("[](){} ").lower() for cell in cells]
     known = [word in LENGTHS or word in TIMES for word in bare]
     like = [

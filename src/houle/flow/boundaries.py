@@ -1,8 +1,8 @@
-"""What stands in a tank: what a boundary sees of the tank, the protocol of a boundary, and the list of those of a flow.
+"""Boundaries: the tank as they see it, the protocol that each one follows, and the list of all in a tank.
 
-A boundary writes the methods of what it does and leaves out the others, which do nothing here. Any two stand in one
-tank: openness multiplies, resistances, pushes and fluxes add, and the faces that one prescribes are its own. Where two
-cannot stand together the boundary itself says so, with the reason, when it joins.
+A boundary writes those methods of `Boundary` in which it does something; the others do nothing. Any two can stand in
+one tank: their openness is multiplied; resistances, pushes and fluxes add; and the velocity of a face is prescribed by
+one of them only. Where two cannot stand together, the boundary says so with the physical reason when it joins.
 
 The methods see the tank (grid, medium, water), not the flow that calls them, and are called in this order: `join` once,
 `prepare` for the first pressure, and in each step `begin`, `drive`, `push`, `feed`, `impose`, `power`, `advance`,
@@ -32,15 +32,18 @@ Row = tuple[float, float]
 class Tank(Component):
     """Water in a tank: particles, and fields on the grid. Each step overwrites the arrays of the fields.
 
-    gravity       acceleration of the water, per axis, the last one up [m/s2]
-    time          that of the positions: in a step, at its start [s]
-    step_size     length of the step that is done or in progress [s]; last_step: of the one before it, 0 in the first
+    gravity       acceleration of the water per axis, the last one up [m/s2]
+    time          time of the particle positions; during a step, its start [s]
+    step_size     length of the step that is done or in progress [s]
+    last_step     length of the step before that, 0 in the first [s]
     kick          time over which the last forces changed old_velocity into velocity [s]
-    fill          water volume / pore volume of the cells, tent-smoothed [-]
-    submergence   of the cell centres: how far below the free surface they are [cells]; active: those under water
-    eta           level of the free surface [m], NaN where dry
+    fill          water volume over pore volume of the cells, with the tent function as weight: (7) [-]
+    submergence   depth of the cell centres below the free surface, negative above it: (8) [cells]
+    active        cells: 1 where the centre is under water, which have a pressure
+    eta           level of the free surface in the columns of cells [m], NaN where dry
     velocity      Darcy velocity on the faces [m/s]; old_velocity: before the forces
     pressure      p / rho of the cells [m2/s2]
+    work          arrays that are needed only during a step
     """
 
     def __init__(self, grid: Grid, medium: Medium, particles: Particles, gravity: tuple[float, ...]) -> None:
@@ -58,16 +61,16 @@ class Tank(Component):
         self.work = Workspace(grid, len(particles))
 
     def kick_of(self, dt: float) -> float:
-        """Time from the middle of the last step to that of one of dt [s] that begins now: forces act over it [s]."""
+        """Time over which forces act: from the middle of the last step to that of a step of dt [s] that begins now."""
         return 0.5 * (self.last_step + dt)
 
 
 class Boundary(Component):
     """A gate, a moving wall, an open side, a source, a zone or a sponge: this one does nothing.
 
-    name          for messages
-    work          the sum of the ledger in which `power` is booked
-    came, went    volume that has come in and gone out through it since the start [m^d]
+    name          its name in messages
+    work          sum of the ledger in which `power` is booked
+    came, went    volume of water that has come in and gone out through it since the start [m^d]
     """
 
     name: str = ""
@@ -78,17 +81,18 @@ class Boundary(Component):
     # ---- where it stands -----------------------------------------------------------------------------------------
 
     def join(self, tank: Tank, boundaries: Boundaries) -> None:
-        """Takes its place among all boundaries of the tank. Raises CaseError if it cannot stand beside one of them."""
+        """Learns the tank and the other boundaries, once. Raises CaseError if it cannot stand beside one of them."""
 
     def openness(self, faces: SingleFaces) -> None:
-        """Multiplies the open area of the faces by the share that it leaves open now."""
+        """Multiplies the open area fraction of the faces, in place, by the share that it leaves open now."""
 
     def columns(self, share: FloatArray) -> None:
-        """Multiplies the share of each column of cells, (nx, [ny]), by what it leaves to the water now."""
+        """Multiplies the water's share of each column of cells, (nx, [ny]), by the share that it leaves now."""
 
     def images(self) -> Sequence[Row]:
-        """Mirrors across the tank, in which particles have images: x [m], and +1 where the water is on their right,
-        -1 where it is on their left.
+        """Mirror planes across the tank, in which particles have images, as walls between the faces have them.
+
+        Each is x [m], and +1 where the water is on its right, -1 where it is on its left.
         """
         return ()
 
@@ -97,30 +101,30 @@ class Boundary(Component):
         return ()
 
     def dry(self, tank: Tank) -> None:
-        """Takes the cells that it leaves no water from the surface just found."""
+        """Marks the cells in which it leaves no water as dry, in the surface that was just found."""
 
     # ---- what it does to the faces -------------------------------------------------------------------------------
 
     def resist(self, rate: Faces) -> None:
-        """Adds what it damps, at all times, to the linear resistance of the faces [1/s]."""
+        """Adds its damping, which is the same at all times, to the linear resistance of the faces [1/s]."""
 
     def touches(self) -> dict[int, slice]:
-        """Axes of the faces that it pushes, and which of them along x; known from `join` on."""
+        """Faces that it pushes: for each axis of faces the range of their numbers along x. Fixed from `join` on."""
         return {}
 
     def push(self, t: float, acceleration: Faces) -> None:
-        """Adds what it pushes at the time t [s] to the accelerations of the faces [m/s2]."""
+        """Adds the acceleration with which it pushes the water at the time t [s] to that of the faces [m/s2]."""
 
     # ---- in a step -----------------------------------------------------------------------------------------------
 
     def prepare(self, tank: Tank) -> None:
-        """Lets water pass as it moves in the tank, for the first pressure of a run."""
+        """Takes the velocities at its faces from the water in the tank, before the first pressure of a run."""
 
     def begin(self, tank: Tank, dt: float) -> None:
-        """Decides how it goes through the step of dt [s] that begins at tank.time."""
+        """Decides how it moves in the step of dt [s] that begins at tank.time."""
 
     def drive(self, tank: Tank, dt: float) -> None:
-        """Sets the velocities of its faces for that step, with the velocities of the water on the grid."""
+        """Chooses the velocities at its faces for that step, when those of the water are known on the grid."""
 
     def feed(self, tank: Tank) -> None:
         """Adds the flux through its faces to the right-hand side of the pressure system, tank.work.rhs [1/s]."""
@@ -133,30 +137,31 @@ class Boundary(Component):
         return 0.0
 
     def advance(self, tank: Tank) -> None:
-        """Goes to where it stands at the end of the step."""
+        """Moves to where it stands at the end of the step."""
 
     def exchange(self, tank: Tank, dt: float) -> None:
         """Lets particles in and takes particles out for a step of dt [s], after they have moved."""
 
     def to_lattice(self, particles: Particles) -> None:
-        """Shifts particles, before they are made anew, so that it stands between two nodes of their lattice."""
+        """Shifts particles before a remeshing, so that the boundary stands between two nodes of their lattice."""
 
     def from_lattice(self, particles: Particles) -> None:
-        """Shifts the new ones back."""
+        """Shifts the new particles of the remeshing back."""
 
 
 class Boundaries(Component, Sequence[Boundary]):
-    """All boundaries of a tank in the order of the case, and what a step needs of all of them at once.
+    """All boundaries of a tank, in the order in which they act, and the sums and products over them.
 
-    Openness and columns are asked for again when an image or a gate has moved.
+    Openness and shares of columns are found anew when a mirror plane or a gate has moved.
 
-    damping       linear resistance of the faces [1/s]; empty: nothing damps
-    pushes        accelerations of the faces [m/s2]; pushed: axes of those that are pushed, and which along x
-    open_faces    open area of the faces: the medium's times the openness of each boundary; the medium's own arrays
-                  where none closes any
-    column_share  share of each column of cells that they leave to the water, (nx, [ny]); None: all of all
-    walls         mirrors, x [m] and side, one row each; None without any
-    gates         plates, x and lower edge [m], (K, 2)
+    damping       linear resistance of the faces [1/s]; empty where nothing damps
+    pushes        accelerations of the faces [m/s2]
+    pushed        axis of faces -> range along x of the faces that are pushed
+    open_faces    open area fraction of the faces: that of the medium times the openness of each boundary; the arrays
+                  of the medium themselves where no boundary closes anything
+    column_share  water's share of each column of cells, (nx, [ny]) [-]; None without moving walls: 1 everywhere
+    walls         mirror planes (K, 2): x [m] and the side of the water, as in `Boundary.images`; None without any
+    gates         gates (K, 2): x and height of the lower edge [m]
     nodes         first node and end of the lattice of the particles along x, between moving walls
     """
 
@@ -172,12 +177,12 @@ class Boundaries(Component, Sequence[Boundary]):
             boundary.join(tank, self)
         self.pushed = self._touched()
         self.pushes = tank.grid.faces() if self.pushed else []
-        if self.that("openness"):
+        if self.with_method("openness"):
             self._open()
         self.stand()
 
     def _damping(self) -> Faces:
-        if not (resisting := self.that("resist")):
+        if not (resisting := self.with_method("resist")):
             return []
         rate = self.grid.faces()
         for boundary in resisting:
@@ -202,12 +207,12 @@ class Boundaries(Component, Sequence[Boundary]):
     def parts(self) -> Mapping[str, Boundary]:
         return {str(i): boundary for i, boundary in enumerate(self)}
 
-    def that(self, method: str) -> list[Boundary]:
-        """Those that do something in this method of `Boundary`."""
+    def with_method(self, method: str) -> list[Boundary]:
+        """The boundaries whose class writes this method of `Boundary`, and so does something in it."""
         return [b for b in self if getattr(type(b), method) is not getattr(Boundary, method)]
 
     def stand(self) -> bool:
-        """Finds anew what follows from where they stand, if one has moved. Returns whether a gate has."""
+        """Finds anew what depends on the places of the boundaries, if one has moved. Returns whether a gate has."""
         if not self.entries:
             return False
         walls = np.array([row for boundary in self for row in boundary.images()]).reshape(-1, 2)
@@ -230,7 +235,7 @@ class Boundaries(Component, Sequence[Boundary]):
         return gate_moved
 
     def _open(self) -> None:
-        """Open area of the faces, in arrays of their own: those of the medium are never written."""
+        """Sets the open area of the faces, in arrays of the list: those of the medium are never written."""
         medium = self.medium.open_faces
         if self.open_faces is medium:
             self.open_faces = [faces.copy() for faces in medium]
@@ -248,7 +253,7 @@ class Boundaries(Component, Sequence[Boundary]):
         return found
 
     def push(self, t: float) -> Faces:
-        """Accelerations of the faces [m/s2] at the time t [s]; those outside `pushed` are 0."""
+        """Accelerations of the faces [m/s2] by all boundaries at the time t [s]; 0 outside `pushed`."""
         for axis, where in self.pushed.items():
             self.pushes[axis][where] = 0.0
         for boundary in self:
@@ -258,12 +263,13 @@ class Boundaries(Component, Sequence[Boundary]):
 
 @dataclass(frozen=True)
 class Surroundings:
-    """What a boundary may have to know of the rest of its case.
+    """The rest of a case, as far as the makers of boundaries ask for it.
 
     gravity    downwards [m/s2]
-    wave       the wave that is made in the tank, None without; ramp: time in which it grows [s]
-    zone       from where to where a relaxation zone leads the flow to that wave [m]; None without
-    lets_long  whether that zone lets long waves pass: those of a record, and of a single wave
+    wave       the wave that is made in the tank; None without
+    ramp       time in which the wave grows from nothing to its height [s]
+    zone       ends of the relaxation zone that leads the flow to the wave [m]; None without
+    lets_long  whether the zone lets long waves pass that come back: for a record and for a single wave
     open_left  whether the left side of the tank is open
     """
 
@@ -279,12 +285,12 @@ class Surroundings:
 class BoundaryKind:
     """A kind of boundary as the case file, `houle describe makers` and `houle.case.build` know it.
 
-    name         of its table
+    name         name of its table in the case file
     make         (surroundings, grid, medium, water, **keys of its table) -> Boundary in a flow with this grid and
-                 medium, and this water at the start; CaseError where it cannot be
-    place        among the boundaries of a flow: lower ones first
-    full_height  whether it reaches over the whole height of the tank, all of whose rows of cells a run then keeps
-    divides      whether it can part the water of two columns of cells
+                 medium, and with these particles of water at the start; CaseError where it cannot be
+    place        order among the boundaries of a flow: lower numbers act first
+    full_height  whether it reaches over the whole height of the tank; a run then keeps all rows of cells
+    divides      whether it can separate the water of two neighbouring columns of cells, as a gate does
     """
 
     name: str

@@ -1,8 +1,9 @@
 """The budget of energy: no run gains energy in silence.
 
-The kinetic energy of the water is at most what the water had at the start above its lowest state, and what has come
-since: the work of makers, moving walls and open sides, the energy of water that came in, the height of water that
-`remesh = "paper"` made. What drag, viscosity and sponges took is not counted against it (docs/theory.md, section 13).
+The kinetic energy of the water can be no more than a bound: its energy at the start above the lowest state, plus what
+has come since. That is the work of makers, moving walls and open sides, the energy of water that came in, and the
+height of water that `remesh = "paper"` made. What drag, viscosity and sponges took does not lower the bound
+(docs/theory.md, section 13). A run that exceeds it stops.
 """
 
 from __future__ import annotations
@@ -19,18 +20,20 @@ if TYPE_CHECKING:
     from houle.flow.ledger import Ledger
     from houle.flow.state import Flow
 
-MORE = 0.05  # share of what there is by which the sums of the ledger may be wrong
-LEAST = 0.01  # share of a cell by which all water may fall: motion of no account, in water at rest
+MORE = 0.05  # share of the bound by which the sums of the ledger may be wrong
+LEAST = 0.01  # share of a cell: less energy than all water gains by falling so far is of no account
 
 
 @dataclass(frozen=True)
 class _Pores:
-    """The pores of a tank, filled from below: each cell evenly between its lowest and its highest potential.
+    """The pores of a tank, filled from below. Potential means -g.x [m2/s2]: the height times gravity.
 
-    level   (K,) potentials at which cells begin or end [m2/s2]
-    share   (K,) volume per potential above each level [m^d s2/m2]
-    volume  (K,) of the water that fills the pores up to each level [m^d]
-    energy  (K,) potential energy of that water [m^d m2/s2]
+    The pores of a cell count as spread evenly between its lowest and its highest potential.
+
+    level   (K,) potentials at which cells begin or end, ascending [m2/s2]
+    share   (K,) pore volume per potential just above each level [m^d s2/m2]
+    volume  (K,) water that fills the pores up to each level [m^d]
+    energy  (K,) potential energy of that water per density [m^d m2/s2]
     """
 
     level: FloatArray
@@ -40,7 +43,7 @@ class _Pores:
 
     @classmethod
     def of(cls, grid: Grid, pores: FloatArray, gravity: FloatArray) -> _Pores:
-        """The pores of all cells, their volumes (nx, [ny,] nz) [m^d], under gravity (d,) [m/s2]."""
+        """The pores of a tank. pores: volume of those of each cell (nx, [ny,] nz) [m^d]; gravity (d,) [m/s2]."""
         pores = np.sum(pores, axis=tuple(np.flatnonzero(gravity == 0.0)))
         lines = [
             -g * h * (np.arange(n) + 0.5) for g, h, n in zip(gravity, grid.spacing, grid.shape, strict=True) if g != 0.0
@@ -58,26 +61,33 @@ class _Pores:
         return cls(level, share, volume, energy)
 
     def lowest(self, volume: float) -> float:
-        """Potential energy of a volume of water [m^d] that lies as low as it can [m^d m2/s2]."""
+        """Potential energy [m^d m2/s2] of a volume of water [m^d] that lies as low as it can."""
         k = int(np.searchsorted(self.volume, volume, side="right")) - 1
         more, share = volume - self.volume[k], self.share[k]
         return float(self.energy[k] + more * self.level[k] + (0.5 * more**2 / share if share > 0.0 else 0.0))
 
 
 class Budget:
-    """How much kinetic energy the water of a flow can have, per density [m^d m2/s2]. It keeps nothing between steps."""
+    """The bound on the kinetic energy of the water in a flow, per density [m^d m2/s2].
+
+    It has no state: nothing is kept from one step to the next.
+
+    endless  gravity acts along a periodic axis, so that water falls for ever and nothing bounds its energy
+    range    difference between the largest and the smallest potential in the tank [m2/s2]
+    fall     kinetic energy per volume of no account [m2/s2]
+    """
 
     def __init__(self, flow: Flow) -> None:
         grid, medium = flow.grid, flow.medium
         self.gravity = np.array(flow.gravity[: grid.dimension])
-        self.endless = bool(np.any(self.gravity[list(grid.periodic)]))  # water falls for ever: nothing bounds it
+        self.endless = bool(np.any(self.gravity[list(grid.periodic)]))
         self.gravity[list(grid.periodic)] = 0.0
         self.pores = _Pores.of(grid, medium.porosity * medium.open_cells * grid.cell_volume, self.gravity)
-        self.range = float(np.abs(self.gravity) @ np.array(grid.size))  # of the potential in the tank [m2/s2]
-        self.fall = LEAST * float(np.linalg.norm(self.gravity)) * max(grid.spacing)  # potential of no account [m2/s2]
+        self.range = float(np.abs(self.gravity) @ np.array(grid.size))
+        self.fall = LEAST * float(np.linalg.norm(self.gravity)) * max(grid.spacing)
 
     def available(self, flow: Flow, ledger: Ledger) -> float:
-        """Kinetic energy of the water if all of it had fallen into the lowest pores, with no air there.
+        """The bound: kinetic energy that the water would have if all of it had fallen into the lowest pores.
 
         Water that remeshing made counts as if it had appeared at the top of the tank.
         """
@@ -86,7 +96,7 @@ class Budget:
         return max(ledger.start + ledger.given + made - self.pores.lowest(volume), 0.0)
 
     def check(self, flow: Flow, ledger: Ledger, density: float) -> None:
-        """Raises SimulationError when the water moves with more energy than there was."""
+        """Raises SimulationError where the kinetic energy exceeds the bound. density [kg/m3]: for the message."""
         if self.endless:
             return
         available = self.available(flow, ledger)

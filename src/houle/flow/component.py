@@ -1,9 +1,9 @@
-"""State that is owned: each part of a run answers `state` with all that the next step depends on in it, and takes it
-back with `restore`.
+"""State that is owned: each part of a run gives its state with `state` and takes it back with `restore`.
 
-A checkpoint is the tree of these answers. The names of a part stand under the name of the part, after a slash:
-"flow/boundaries/0/x". A run that was restored goes on bitwise as if it had never stopped, which holds only if nothing
-is left out: tests/physics/test_owned_state.py compares all that can be reached from two simulations.
+The state is everything in the part that the next step depends on. A checkpoint is the tree of the states: the names in
+a part stand after the name of the part and a slash, as in "flow/boundaries/0/x". A run that was restored goes on
+bitwise as if it had never stopped. This holds only if nothing is left out: tests/physics/test_owned_state.py compares
+all that can be reached from two simulations.
 """
 
 from __future__ import annotations
@@ -18,15 +18,16 @@ State = dict[str, NDArray[Any]]
 
 
 class Component:
-    """A part of a run: it writes `state` and `restore` if it has state of its own, `parts` if it has parts.
+    """A part of a run: it overrides `state` and `restore` if it has state of its own, `parts` if it has parts.
 
-    on_rows   names of its own state whose last axis are rows of cells; of "velocity.0" the name is "velocity"
+    on_rows   names in its own state of fields on the grid, which get more rows of cells as the water rises; the name
+              of "velocity.0" is "velocity"
     """
 
     on_rows: ClassVar[tuple[str, ...]] = ()
 
     def parts(self) -> Mapping[str, Component]:
-        """Its parts by the names under which their state stands."""
+        """The parts, by the names under which their states stand."""
         return {}
 
     def state(self) -> State:
@@ -39,7 +40,7 @@ class Component:
             part.restore(under(name, state))
 
     def raised(self, state: Mapping[str, NDArray[Any]], rows: int) -> State:
-        """A `state` of it with so many more rows of cells, which are empty."""
+        """A `state` with this number of empty rows of cells added on top."""
         found = {key: value for key, value in state.items() if "/" not in key}
         for key, value in found.items():
             if key.partition(".")[0] in self.on_rows:
@@ -50,11 +51,11 @@ class Component:
 
 
 def under(name: str, state: Mapping[str, NDArray[Any]]) -> State:
-    """The state of the part of this name, out of that of the whole."""
+    """The state of the part with this name, from the state of the whole."""
     start = f"{name}/"
     return {key.removeprefix(start): value for key, value in state.items() if key.startswith(start)}
 
 
 def raised(values: NDArray[Any], rows: int) -> NDArray[Any]:
-    """A field on cells or faces with so many more rows above, which are 0."""
+    """A field on cells or faces with this number of rows of zeros added on top."""
     return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, rows)])

@@ -1,4 +1,8 @@
-"""Position correction: a second projection that keeps the particles at uniform volume."""
+"""Position correction: a second projection, of positions, spreads the particles evenly (docs/theory.md, section 10).
+
+It solves -lap psi = omega n E for the excess E = F - 1 of the fill F of each cell, and moves particles by
+-grad psi / n, eq. (20).
+"""
 
 from __future__ import annotations
 
@@ -10,24 +14,26 @@ from houle.flow.ledger import Ledger
 from houle.flow.state import Flow
 from houle.flow.surface import find_surface
 
-LEAST_DEPTH_CORRECTION = 0.2
-FULL_CORRECTION = 0.25  # Courant number of a step to which the share of the correction is applied
-MOST_SHIFT = 0.1  # cells a correction may move a particle
+LEAST_DEPTH_CORRECTION = 0.2  # cells: depth below the surface that a pressure cell is given at least
+FULL_CORRECTION = 0.25  # Courant number of the step in which `numerics.correction` is the share that is spread
+MOST_SHIFT = 0.1  # cells by which a correction may move a particle along each axis
 
 
 def portion(correction: float, courant: float) -> float:
-    """Share of the excess that a step spreads [-]. Disorder is made by moving: a step that moves little corrects
-    little, one of several quarters of a cell as much as that many steps.
+    """omega of (20): share of the excess that a step with this Courant number spreads [-].
+
+    Motion makes the disorder. So a step that moves little corrects little, and a step over several quarters of a cell
+    corrects as much as that many steps over a quarter: min(4 C s, 1 - (1 - s)^(4 C)).
     """
     quarters = courant / FULL_CORRECTION
     return min(correction * quarters, 1.0 - (1.0 - correction) ** quarters)
 
 
 def correct_positions(flow: Flow, correction: float, dt: float, ledger: Ledger) -> None:
-    """Moves particles from overfull to underfull cells: a second projection, of positions (Kugelstadt et al. 2019).
+    """Moves particles from overfull to underfull cells, after Kugelstadt et al. (2019), in a step of dt [s].
 
-    correction: share of the excess that is spread when the fastest particle crosses a quarter of a cell [-]. The
-    velocity is left as it is.
+    correction: share of the excess that is spread when the fastest particle crosses a quarter of a cell [-].
+    Velocities stay as they are. flow.psi, the potential of the last step, is the first guess of the solver.
     """
     share = portion(correction, flow.courant(dt))
     if share == 0.0:

@@ -1,12 +1,14 @@
-"""Overtopping: the water that crosses an upright section above a level, as much as each particle carries across.
+"""Overtopping: the volume of water that particles carry across an upright section, the crest, above a level.
 
-A motion (advection, position correction) takes a particle straight from one place to another: where the line crosses
-the section, the water of the particle counts if the height there is above the level. Remeshing hands the water of
-particles to new ones: what one gets from the other side of the section counts by the height that it came from. No
-volumes are subtracted from each other: the changes of the water behind the section add up to what crosses it, above the
-level and below, to round-off, and where nothing crosses above the level the sum stays 0. Nothing crosses a solid in the
-section: a line through one stands for a way around its nearer end, so behind a wall that is closed up to the level all
-of the water counts.
+A motion (advection or position correction) takes a particle straight from one place to another. Where this line crosses
+the section above the level, the water of the particle counts. Remeshing hands the water of particles to new ones: what
+a new particle gets from the other side of the section counts by the height from which it came. See (29) in
+docs/theory.md.
+
+No volumes are subtracted from each other. So the crossings above the level and below it add up to the change of the
+water behind the section, to round-off, and where nothing crosses above the level the sum stays exactly 0. Nothing
+crosses a solid in the section: a line through one stands for a way around its nearer end. Behind a wall that is closed
+up to the level all water that arrives therefore counts.
 """
 
 from __future__ import annotations
@@ -20,18 +22,21 @@ from houle.medium.medium import Medium
 from houle.medium.sections import partition
 from houle.medium.shapes import spans_inside
 
-NEAR = 1e-6  # cells on either side of the section: what is solid there closes it; and in height, of its ends
-REACH = 4  # cells from the section: a particle that crosses it was not farther away when particles were sorted
-HANDED = 20  # cells: farther than remeshing hands water on
+NEAR = 1e-6  # cells: a solid so near to either side of the section closes it; tolerance in height as well
+REACH = 4  # cells from the section within which a particle was sorted that crosses it in a motion
+HANDED = 20  # cells: no remeshing hands water on farther than this
 
 
 class Crest:
-    """An upright section across the tank, and what has crossed it above a level since the start.
+    """An upright section across the tank, and the water that has crossed it above a level since the start.
 
-    x       where it stands [m]
-    sign    +1 if the space behind it is that at larger x, else -1
-    level   height above which what crosses counts [m]; -inf: all that crosses counts
-    passed  volume that went behind it, less what came back [m^d]
+    x         position of the section [m]
+    sign      +1 if behind it is where x is larger, else -1
+    level     height above which a crossing counts [m]; -inf: every crossing counts
+    passed    volume that went behind it, less the volume that came back [m^d]
+    layers    largest y of each layer of the tank in which the section is the same [m]
+    openings  heights (K, 2) between which the section is open [m], for each layer
+    cells     first cell and end of the flat numbers of the cells within `REACH`
     """
 
     def __init__(self, grid: Grid, medium: Medium, x: float, level: float | None, to_the_right: bool) -> None:
@@ -39,7 +44,7 @@ class Crest:
         self.spacing = grid.spacing[0]
         self.level = -np.inf if level is None else level - NEAR * grid.spacing[-1]
         parts = partition(grid, medium.bodies, medium.solids)
-        self.layers = np.array([span[1] for span, _, _ in parts])  # largest y of each
+        self.layers = np.array([span[1] for span, _, _ in parts])
         self.openings = [_openings(solid, x, grid) for _, solid, _ in parts]
         per_column = int(np.prod(grid.shape[1:]))
         cell = int(x / grid.spacing[0])
@@ -47,15 +52,15 @@ class Crest:
         self.cells = low * per_column, high * per_column
 
     def near(self, start: NDArray[np.int32]) -> slice:
-        """Numbers of the particles that may cross it in a motion. start (cells + 1,): first particle of each cell."""
+        """Range of the numbers of the particles that may cross it in a motion. start: `Flow.start`."""
         return slice(int(start[self.cells[0]]), int(start[self.cells[1]]))
 
     def behind(self, position: FloatArray) -> NDArray[np.bool_]:
-        """Whether places (N, d) [m] lie behind the section, (N,)."""
+        """True (N,) for the places (N, d) [m] that lie behind the section."""
         return self.sign * (position[:, 0] - self.x) > 0.0
 
     def counts(self, place: FloatArray) -> NDArray[np.bool_]:
-        """Whether what crosses the section at the height of places (N, d) [m] does so above the level, (N,)."""
+        """True (N,) where a crossing at these places (N, d) [m] of the section passes above the level."""
         if self.level == -np.inf:
             return np.ones(len(place), bool)
         if place.shape[1] == 2:
@@ -74,15 +79,15 @@ class Crest:
             return
         a, b = before[crossed], after[crossed]
         place = a + ((self.x - a[:, 0]) / (b[:, 0] - a[:, 0]))[:, None] * (b - a)
-        place[:, 1:-1] = b[:, 1:-1]  # in y they may have gone round a periodic axis
+        place[:, 1:-1] = b[:, 1:-1]  # a particle may have gone round a periodic axis y
         signed = np.where(ends[crossed], volume[crossed], -volume[crossed])
         self.passed += float(signed[self.counts(place)].sum())
 
     def marks(self, position: FloatArray) -> FloatArray | None:
-        """Marks (N, d) of the particles whose water counts where remeshing hands it across; None if none is near.
+        """Marks (N, d) of the particles whose water counts if remeshing hands it across; None if none is near.
 
         The first number is 1 for those in front of the section, the second is 1 for those behind it. Remeshing hands
-        the marks on with the water: what a new particle has of a mark is the share of marked water in it.
+        the marks on with the water, so that the mark of a new particle is the share of marked water in it.
         """
         marked = np.zeros(position.shape)
         near = np.flatnonzero(np.abs(position[:, 0] - self.x) < HANDED * self.spacing)
@@ -92,7 +97,7 @@ class Crest:
         return marked if len(near) else None
 
     def handed(self, position: FloatArray, volume: FloatArray, marks: FloatArray) -> None:
-        """Books a remeshing. marks (N, d): shares of marked water in the volumes (N,) [m^d] of the new particles."""
+        """Books a remeshing: positions (N, d) [m], volumes (N,) [m^d] and marks (N, d) of the new particles."""
         behind = self.behind(position)
         came, went = marks[:, 0] * behind, marks[:, 1] * ~behind
         some = np.flatnonzero((came != 0.0) | (went != 0.0))
@@ -100,9 +105,9 @@ class Crest:
 
 
 def _openings(solid: shapely.Geometry, x: float, grid: Grid) -> FloatArray:
-    """Heights (K, 2) [m] between which the section at x is open; floor and lid do not end an opening.
+    """Lower and upper ends (K, 2) [m] of the openings of the section at x; floor and lid of the tank end none.
 
-    Where it is closed from floor to lid there is one opening, infinitely high: over the top.
+    A section that is closed from floor to lid has one opening, over the top, at infinite height.
     """
     margin = NEAR * grid.spacing[0]
     ends = [-np.inf]
@@ -117,7 +122,7 @@ def _openings(solid: shapely.Geometry, x: float, grid: Grid) -> FloatArray:
 
 
 def _passes(z: FloatArray, openings: FloatArray) -> FloatArray:
-    """Heights (N,) [m] at which what crosses at the heights z (N,) passes: in the nearest of the openings (K, 2)."""
+    """Heights (N,) [m] at which water that crosses at z (N,) really passes: in the nearest of the openings (K, 2)."""
     away = np.maximum(openings[:, 0] - z[:, None], z[:, None] - openings[:, 1])
     low, high = openings[np.argmin(away, axis=1)].T
     return np.clip(z, low, high)

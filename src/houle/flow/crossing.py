@@ -1,4 +1,7 @@
-"""What a motion of particles crosses: interfaces between porosities, where their velocities change, and crests."""
+"""Crossings in a motion of particles: of interfaces between porosities, which change velocities, and of crests.
+
+A crest is a section at which overtopping is counted (crest.py).
+"""
 
 from __future__ import annotations
 
@@ -14,8 +17,11 @@ from houle.grid import FloatArray
 
 @contextmanager
 def crossing(flow: Flow, dt: float, behind: float) -> Iterator[None]:
-    """Around a motion of dt [s]: particles that cross to another porosity keep their energy where nothing holds them,
-    and turn as C_r changes. behind: time [s] in which momentum falls behind where added mass is on the rate alone.
+    """Surrounds a motion of dt [s] in which particles may cross to another porosity.
+
+    Where no pressure holds it, a particle keeps its kinetic energy on the way, and its velocity turns as C_r changes
+    (docs/theory.md, (14a) and (4a)). behind: time [s] over which momentum falls behind the water where the added mass
+    stands before the local acceleration alone, (19a); 0 for none.
     """
     if not flow.porous:
         yield
@@ -29,7 +35,7 @@ def crossing(flow: Flow, dt: float, behind: float) -> Iterator[None]:
 
 
 def _convective_share(flow: Flow) -> FloatArray | None:
-    """K/C_r where the particles are (N,); None where it is 1 everywhere."""
+    """K/C_r (N,) at the particles, the share of their velocity with which momentum moves; None: 1 everywhere."""
     if flow.lag is None:
         return None
     share, (number, lag) = np.empty(len(flow.particles)), flow.lag
@@ -38,8 +44,8 @@ def _convective_share(flow: Flow) -> FloatArray | None:
 
 
 def _fall_behind(flow: Flow, dt: float) -> FloatArray:
-    """Change of the velocities (N, d) as momentum moves with K/C_r of the velocity of the water."""
-    medium = (*flow.crossing, flow.held, flow.medium.listed("lag"), flow.medium.listed("particle_porosity"))
+    """Change of the velocities (N, d) [m/s] in dt [s], as momentum moves with K/C_r of the velocity: (19a)."""
+    medium = (*flow.crossed_medium, flow.held, flow.medium.listed("lag"), flow.medium.listed("particle_porosity"))
     on_faces, change = flow.grid.faces(), np.empty_like(flow.particles.velocity)
     _core.fall_behind(flow.grid.core, *medium, flow.velocity, dt, on_faces, flow.interfaces)
     flow.interpolate(on_faces, change)
@@ -47,12 +53,12 @@ def _fall_behind(flow: Flow, dt: float) -> FloatArray:
 
 
 def near_crests(flow: Flow, position: FloatArray) -> list[FloatArray]:
-    """Copies of the positions near each crest."""
+    """Copies of the positions of the particles near each crest, one array (n, d) [m] per crest."""
     return [position[crest.near(flow.start)].copy() for crest in flow.crests]
 
 
 def book_crossings(flow: Flow, before: list[FloatArray]) -> None:
-    """Books what crosses the crests on the way from there to where the particles are now."""
+    """Books the water that crossed the crests between these positions, of `near_crests`, and the present ones."""
     p = flow.particles
     for crest, was in zip(flow.crests, before, strict=True):
         near = crest.near(flow.start)

@@ -14,7 +14,8 @@ from houle.grid import Faces, FloatArray, Listed
 def viscosity(flow: Flow, dt: float, ledger: Ledger) -> Faces:
     """Viscous acceleration of the faces [m/s2], with the eddy viscosity if there is one; empty in inviscid flow.
 
-    It stands in the arrays of the old velocity, which is of no use any more in a step that has come to its forces.
+    The result stands in the arrays of flow.old_velocity, which are free until `apply_forces`. The work over dt [s] is
+    booked in the ledger.
     """
     if not flow.viscous:
         return []
@@ -30,7 +31,10 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> Faces:
 
 
 def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
-    """The paper's viscous term on the particles, added to their velocities: n/C_r nu_eff lap(u_d / n) dt."""
+    """Adds the paper's viscous term to the velocities of the particles: n/C_r nu_eff lap(u_d / n) dt.
+
+    nu_eff is the viscosity and that of the eddies. The energy that the term takes is booked in the ledger.
+    """
     if not flow.viscous:
         return
     flow.sample_medium()
@@ -47,8 +51,9 @@ def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 
 def make_waves(flow: Flow, acceleration: Faces) -> Faces:
-    """The accelerations of the faces [m/s2], empty where there are none, with those by which boundaries push the water;
-    `acceleration` is changed where it is not empty.
+    """The accelerations of the faces [m/s2] together with those by which boundaries push the water, as makers do.
+
+    acceleration is that of the viscosity: it is added to in place, unless it is empty.
     """
     pushed = flow.boundaries.pushed
     if not pushed:
@@ -62,7 +67,7 @@ def make_waves(flow: Flow, acceleration: Faces) -> Faces:
 
 
 def drive(flow: Flow, dt: float) -> None:
-    """Velocities of open sides in the middle of a step of dt [s] that begins now."""
+    """Lets open sides choose the velocity of their faces in the middle of a step of dt [s] that begins now."""
     for boundary in flow.boundaries:
         boundary.drive(flow, dt)
 
@@ -70,16 +75,21 @@ def drive(flow: Flow, dt: float) -> None:
 def _resistance(
     flow: Flow,
 ) -> tuple[list[NDArray[np.int32]], FloatArray | None, Faces, Listed | None, list[NDArray[np.uint8]]]:
-    """What resists the flow as the core takes it."""
+    """The resistances as the core takes them; all empty where nothing resists.
+
+    These are the material of each face and the table of materials (`Medium`), the damping of boundaries [1/s], K/n^2
+    of the cells for the Bernoulli term, and the faces at which that acts.
+    """
     if not flow.resists:
         return [], None, [], None, []
     return flow.medium.material, flow.medium.materials, flow.boundaries.damping, flow.listed("energy"), flow.held
 
 
 def apply_forces(flow: Flow, dt: float, acceleration: Faces) -> None:
-    """Gravity, porous resistance, Bernoulli term and further accelerations of the faces [m/s2], if any, over dt [s].
+    """Makes u* of (12) from u: gravity, drag, Bernoulli term and the given accelerations of the faces over dt [s].
 
-    On return old_velocity is what velocity was, and the mobility is that of the pressure.
+    On return flow.velocity holds u* and flow.old_velocity u [m/s], flow.mobility the factor Phi of the pressure
+    gradient [s], and flow.drag, if it is asked for, the factor D of the old velocity.
     """
     flow.velocity, flow.old_velocity = flow.old_velocity, flow.velocity
     flow.kick = dt

@@ -1,6 +1,7 @@
-"""The kernels that weigh what particles and grid hand each other; their weights are in the core (grid/kernels.hpp).
+"""The kernels of the transfers: the weights with which particles and nodes of the grid see each other.
 
-To add a kernel, write its weights there, name it in the dispatch of bind/transfer.cpp, and add a row here.
+The weights themselves are in the core (grid/kernels.hpp). To add a kernel, write its weights there, name it in the
+dispatch of bind/transfer.cpp, and add a row here.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ PAPER = "Ramos Ortega, Beaudoin & Huberson (2020), 17emes Journees de l'Hydrodyn
 class Kernel:
     """A kernel as the case file, `houle describe` and the transfers know it.
 
-    nodes     reached on each side of a particle, along each axis
+    nodes     number of nodes that it reaches on each side of a particle, along each axis
     negative  whether some of its weights are negative
-    sized     whether it knows the square of the particle, whose side is its bulk volume to the power 1/d
+    sized     whether it depends on the size of the particle: a square with the side (V/n)^(1/d)
     """
 
     name: str

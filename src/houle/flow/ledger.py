@@ -1,4 +1,4 @@
-"""The ledger: what each operation of a step did to the energy of the water, and what the run has conserved.
+"""The ledger: how each operation of a step changes the energy of the water, and what the run has conserved.
 
 The energy of the water is kinetic + potential. Inside a step the kinetic energy is that of the particles, but between
 the two transfers it is that of the faces; so the changes of all operations add up to the change of the energy of the
@@ -44,7 +44,7 @@ class Booked(Protocol):
 
 
 class _Clock:
-    """Times what is done inside `with`, and books the energy that it changed where it `books`.
+    """Context manager of one operation: times it and, if `books`, books the change of energy that it made.
 
     It is a class because a generator would take three times as long, in every operation of every step.
     """
@@ -66,19 +66,21 @@ class _Clock:
 
 
 class Ledger(Component):
-    """Sums of a run: how long each operation took, what it did to the energy, what was taken and given.
+    """Sums of a run: time and change of energy of each operation, and the work that was done on the water and by it.
 
-    seconds        that each operation took since the process started
-    energy         change by each of OPERATIONS since the start of the run
+    Energies and works are per density [m^d m2/s2] and count from the start of the run.
+
+    seconds        time that each operation took since the process started [s]
+    energy         change of energy made by each of OPERATIONS
     notes          numbers of the last step: iterations of the solver, divergence
-    volume0        water at the start [m^d]
-    drag_work      taken by the porous bodies
-    viscous_work   taken by the viscosity
-    sponge_work    taken by sponges and relaxation zones
-    source_work    given by wave makers and moving walls
-    open_work      given by the pressure at open sides
-    given          by makers, moving walls and open sides, in the steps in which they gave more than they took
-    kinetic, potential   energy after the last operation
+    volume0        volume of the water at the start [m^d]
+    drag_work      energy that the porous bodies took
+    viscous_work   energy that the viscosity took
+    sponge_work    energy that sponges and relaxation zones took
+    source_work    work of wave makers and moving walls on the water
+    open_work      work of the pressure at open sides on the water
+    given          work of makers, moving walls and open sides, summed over the steps in which it was positive
+    kinetic, potential   energy of the water after the last operation
     """
 
     def __init__(self, flow: Booked) -> None:
@@ -90,22 +92,22 @@ class Ledger(Component):
         self.drag_work = self.viscous_work = self.sponge_work = 0.0
         self.source_work = self.open_work = self.given = 0.0
         self.kinetic, self.potential = 0.0, 0.0
-        self._gave = 0.0  # by makers, moving walls and open sides, less what they took, since the start
-        self._on_grid = False  # whether the kinetic energy is that of the faces now
-        self._counted = ref(flow.particles)  # the particles after the last operation
+        self._gave = 0.0  # `_net` at the end of the last step
+        self._on_grid = False  # True between the transfers, when the kinetic energy is that of the faces
+        self._counted = ref(flow.particles)  # particles after the last operation: remeshing makes others
 
     def operation(self, name: str) -> _Clock:
-        """A context that times an operation and books what it did to the energy."""
+        """A context that times an operation and, if it is one of OPERATIONS, books its change of the energy."""
         return _Clock(self, name, name in self.energy)
 
     def clock(self, name: str) -> _Clock:
-        """A context that times what does not change the energy."""
+        """A context that times something that does not change the energy."""
         return _Clock(self, name, False)
 
     def book(self, name: str) -> None:
-        """Books what an operation that ends now did to the energy."""
+        """Books the change of energy made by an operation that ends now."""
         flow = self.flow
-        open_sides = flow.boundaries.that("exchange")
+        open_sides = flow.boundaries.with_method("exchange")
         if (name == "exchange" and not open_sides) or (name == "remeshing" and self._counted() is flow.particles):
             return  # nothing was done
         kinetic, potential = self.kinetic, self.potential
@@ -121,15 +123,16 @@ class Ledger(Component):
         self.kinetic, self.potential, self._counted = kinetic, potential, ref(flow.particles)
 
     def open(self) -> None:
-        """Begins with the energy of the flow as it is now: at the start of a run, and where it goes on."""
+        """Takes the energy of the flow as it is now: at the start of a run, and when it goes on from a checkpoint."""
         self.kinetic, self.potential = self.flow.kinetic_energy(), self.flow.potential_energy()
         self._on_grid = False
 
     def close(self) -> None:
-        """Ends a step: what is left of the change is that of advection.
+        """Ends a step: sums both energies anew, and books the change that is left to advection.
 
-        To move with the same u_d to another porosity is to change V/n and C_r/n. Both energies are summed anew, in the
-        order of the sorted particles: those that a resumed run starts from, to the last bit.
+        It is left because a particle that moves to another porosity with the same u_d changes its V/n and C_r/n. The
+        sums run in the order of the sorted particles, so that a resumed run starts from the same energies to the last
+        bit.
         """
         kinetic = self.kinetic
         self.open()
@@ -139,7 +142,7 @@ class Ledger(Component):
         self._gave = gave
 
     def _net(self) -> float:
-        """What makers, moving walls and open sides gave since the start, less what they took."""
+        """Energy that makers, moving walls and open sides gave the water since the start, less what they took."""
         return self.source_work + self.open_work + self.energy["exchange"]
 
     def give(self, work: str, energy: float) -> None:
@@ -148,26 +151,26 @@ class Ledger(Component):
 
     @property
     def start(self) -> float:
-        """Kinetic and potential energy at the start of the run."""
+        """Kinetic and potential energy of the water at the start of the run, together."""
         return self.kinetic + self.potential - sum(self.energy.values())
 
     @property
     def inflow(self) -> float:
-        """Volume that has come in through open sides [m^d]."""
+        """Volume of water that has come in through open sides since the start [m^d]."""
         return sum(boundary.came for boundary in self.flow.boundaries)
 
     @property
     def outflow(self) -> float:
-        """Volume that has gone out through open sides [m^d]."""
+        """Volume of water that has gone out through open sides since the start [m^d]."""
         return sum(boundary.went for boundary in self.flow.boundaries)
 
     def volume_drift(self) -> float:
-        """Water that is there and should not be, as a share of what there was and what came [-]."""
+        """Volume that nothing accounts for: present + outflow - start - inflow, over start + inflow [-]."""
         held = self.volume0 + self.inflow
         return (self.flow.particles.total_volume + self.outflow - held) / held if held > 0 else 0.0
 
     def note(self, **values: float) -> None:
-        """Puts numbers of this step in the place of those of the last one."""
+        """Notes numbers of this step, in the place of those of the last one."""
         self.notes.update(values)
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------
@@ -181,7 +184,7 @@ class Ledger(Component):
         }
 
     def restore(self, state: Mapping[str, FloatArray]) -> None:
-        """Goes on with the sums of a state(); the flow must stand as it did then, arranged."""
+        """Goes on with the sums of a state(); the flow must have been restored and arranged before."""
         for name in (*WORKS, "volume0", "given"):
             setattr(self, name, float(state[name]))
         for sums, kind in ((self.energy, "energy."), (self.notes, "notes.")):

@@ -1,4 +1,7 @@
-"""Motion of the particles: with the grid or with velocities of their own, past walls, interfaces and crests."""
+"""Motion of the particles: with the velocity of the grid or with their own, past walls, interfaces and crests.
+
+A crest is a section at which overtopping is counted (crest.py).
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ from houle.grid import FloatArray
 
 
 def begin(flow: Flow, dt: float) -> None:
-    """Boundaries at the start of a step of dt [s]: gates stand where they are by now, walls decide where to go."""
+    """Begins a step of dt [s]: gates take the place of this instant, moving walls choose how far they go in the step.
+
+    Where a gate has moved, the medium at the particles and the free surface are found anew.
+    """
     flow.last_step, flow.step_size = flow.step_size, dt
     for boundary in flow.boundaries:
         boundary.begin(flow, dt)
@@ -20,7 +26,7 @@ def begin(flow: Flow, dt: float) -> None:
 
 
 def move_walls(flow: Flow) -> None:
-    """Moving walls to where they are at the end of the step."""
+    """Puts moving walls where they stand at the end of the step."""
     for boundary in flow.boundaries:
         boundary.advance(flow)
     flow.stand()
@@ -28,32 +34,39 @@ def move_walls(flow: Flow) -> None:
 
 def exchange(flow: Flow, dt: float) -> None:
     """Lets water in and takes water out for a step of dt [s], after the particles have moved."""
-    if not (open_ := flow.boundaries.that("exchange")):
+    if not (open_ := flow.boundaries.with_method("exchange")):
         return
     for boundary in open_:
         boundary.exchange(flow, dt)
     sort(flow)
 
 
-def settle(flow: Flow) -> None:
-    """Near porous faces where no pressure holds the water: particles take no more energy than the grid has there."""
+def limit_energy(flow: Flow) -> None:
+    """Limits the velocities of particles near porous interfaces, where the inertia of the faces around them differs.
+
+    They take the velocity of the grid by linear interpolation, whatever the transfer, and where no pressure holds the
+    water with no more kinetic energy than the grid has there: otherwise the way back from the grid would make energy
+    (docs/theory.md, section 6).
+    """
     if flow.porous:
         p = flow.particles
-        medium, state = (*flow.crossing, flow.held), (flow.velocity, p.position, p.velocity, p.get("affine"))
+        medium, state = (*flow.crossed_medium, flow.held), (flow.velocity, p.position, p.velocity, p.get("affine"))
         _core.settle(flow.grid.core, *medium, *state, flow.interfaces)
 
 
-def move(flow: Flow, dt: float, linear: bool) -> None:
-    """Particles along the pore velocity of the grid, midpoint rule. linear: whether they have that velocity where they
-    are, as `Transfer.to_particles` says: then it is not interpolated again.
+def move(flow: Flow, dt: float, interpolated: bool) -> None:
+    """Moves the particles with the pore velocity of the grid over dt [s], by the midpoint rule (19).
+
+    interpolated: whether the velocities of the particles are those of the grid, linearly interpolated to where they
+    are, as `Transfer.to_particles` says; the first half of the step then does not interpolate again.
     """
     with crossing(flow, dt, dt):
-        _move(flow, dt, linear)
+        _move(flow, dt, interpolated)
 
 
-def _move(flow: Flow, dt: float, linear: bool) -> None:
+def _move(flow: Flow, dt: float, interpolated: bool) -> None:
     p, before = flow.particles, near_crests(flow, flow.particles.position)
-    velocity, volume, bulk = (p.velocity, p.volume, flow.bulk) if linear else (None, None, None)
+    velocity, volume, bulk = (p.velocity, p.volume, flow.bulk) if interpolated else (None, None, None)
     _core.move(
         flow.grid.core, flow.velocity, flow.listed("particle_porosity"), velocity, volume, bulk,
         flow.medium.outline, flow.boundaries.gates, dt, p.position, flow.boundaries.walls, flow.interfaces,
@@ -62,8 +75,11 @@ def _move(flow: Flow, dt: float, linear: bool) -> None:
 
 
 def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatArray | None, dt: float) -> None:
-    """Particles from `start` with velocities of their own. Without a porosity, a second time: the turn is done, and the
-    velocities on the grid are those of this step.
+    """Moves the particles from `start` (N, d) [m] over dt [s] with velocities of their own (N, d) [m/s].
+
+    The scheme jh2020 does so twice in a step. The first time they have Darcy velocities and their porosity (N,), and
+    turn as C_r changes. The second time they have pore velocities and no porosity: they have turned already, but the
+    grid has the velocities of this step, with which momentum falls behind (`crossing`).
     """
     position, solids, between = flow.particles.position, flow.medium.outline, flow.boundaries
     with crossing(flow, *((dt, 0.0) if porosity is not None else (0.0, dt))):
@@ -71,6 +87,6 @@ def drift(flow: Flow, start: FloatArray, velocity: FloatArray, porosity: FloatAr
 
 
 def arrive(flow: Flow, start: FloatArray, velocity: FloatArray, dt: float) -> None:
-    """Particles from `start` with pore velocities of their own, to where they stay."""
+    """Moves the particles from `start` (N, d) [m] with pore velocities of their own [m/s] to their final places."""
     drift(flow, start, velocity, None, dt)
     book_crossings(flow, near_crests(flow, start))

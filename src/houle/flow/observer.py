@@ -1,12 +1,12 @@
-"""What all observers have in common, whatever they observe: gauges, forces, the ledger.
+"""Observers: the protocol of everything that is measured in a run, from gauges to the ledger of energy.
 
-    Site          what instruments know of the tank that they stand in
-    Instrument    one of them as the case gives it: what it is called and where it stands
-    Instruments   all of one kind, not yet placed in a flow: the class that places them, and the site
-    Observer      the same placed in a flow: it gives a sample of each step
-    Stations      where the values of an observer stand in series.nc
-    Now           what a sample is taken of
-    Remark        what is doubtful or wrong about where an instrument stands
+    Site          the tank, as far as instruments need to know it
+    Instrument    one instrument as the case gives it: its name and its place
+    Instruments   all instruments of one kind, not yet placed in a flow
+    Observer      the same instruments placed in a flow: takes a sample in each step
+    Stations      names and coordinates of the values of an observer in series.nc
+    Now           the flow and the ledger, of which a sample is taken
+    Remark        a finding of `houle check` about where an instrument stands
 
 An observable is one file in `houle.observe`. It holds an `Instrument`, with the keys of its table in the case file (a
 user of the library can make one by hand) and its check; and the `Observer` of such instruments, with the name of the
@@ -65,7 +65,7 @@ class Instrument:
     """One instrument as the case gives it; a frozen dataclass with the keys of its table."""
 
     def check(self, site: Site) -> Iterator[Remark]:
-        """What is doubtful or wrong about where the instrument stands."""
+        """Remarks on what is doubtful or wrong about the place of the instrument; none by default."""
         yield from ()
 
     @property
@@ -76,7 +76,7 @@ class Instrument:
 
 @dataclass(frozen=True)
 class Now:
-    """What a sample is taken of: the flow at the end of a step, and its ledger."""
+    """The present: the flow at the end of a step, and its ledger."""
 
     flow: Flow
     ledger: Ledger
@@ -86,13 +86,14 @@ R = TypeVar("R", bound=Instrument)
 
 
 class Observer(Component, ABC, Generic[R]):
-    """All instruments of one kind, placed in a flow. R is the class of one of them. What the next sample depends on
-    besides the flow is their `state` (`houle.flow.component`).
+    """All instruments of one kind, placed in a flow. R is the class of one instrument.
 
-    table       key of the case file whose tables ask for it; "" where none does
+    What the next sample depends on besides the flow is their `state` (`houle.flow.component`).
+
+    table       key of the case file whose tables ask for it; "" where no table does
     instrument  R
-    fields      the quantities that a sample may hold; their place is the dimension of series.nc along which they stand,
-                or RUN for one value of all the water
+    fields      the quantities that a sample may hold; their place is the dimension of series.nc of their values, or RUN
+                for one value of all the water
     """
 
     table: ClassVar[str] = ""
@@ -101,7 +102,7 @@ class Observer(Component, ABC, Generic[R]):
 
     @property
     def dimension(self) -> str:
-        """The dimension of series.nc along which the values stand, or RUN."""
+        """The dimension of series.nc that the values have, or RUN."""
         return self.fields[0].place
 
     @abstractmethod
@@ -110,15 +111,15 @@ class Observer(Component, ABC, Generic[R]):
 
     @abstractmethod
     def sample(self, now: Now) -> Sample:
-        """What is observed now, as copies, by the names of `fields`: an array with one row per station, or a number."""
+        """The values now, as copies, by the names of `fields`: an array with one row per station, or one number."""
 
     def after_step(self, dt: float) -> None:
-        """Books what has passed in a step of dt [s]."""
+        """Updates what accumulates from step to step, after a step of dt [s]; nothing by default."""
 
     @classmethod
     @abstractmethod
     def stations(cls, instruments: Sequence[R], site: Site) -> Stations:
-        """Where the values of these instruments stand."""
+        """Names and coordinates of the values of these instruments."""
 
 
 @dataclass(frozen=True)
@@ -135,11 +136,11 @@ class Instruments:
 
     @property
     def stations(self) -> Stations:
-        """Where their values stand in series.nc."""
+        """Names and coordinates of their values in series.nc."""
         return self.observer.stations(self.them, self.site)
 
     def check(self) -> Iterator[tuple[int, Remark]]:
-        """What is doubtful or wrong about where they stand: number of the instrument, and what it is."""
+        """Pairs of the number of an instrument and a remark on what is doubtful or wrong about its place."""
         for i, one in enumerate(self.them):
             for remark in one.check(self.site):
                 yield i, remark
@@ -151,7 +152,10 @@ class Instruments:
 
 
 def along(kind: str, what: Sequence[Sequence[float]] | FloatArray, letters: str) -> dict[str, tuple[str, list[float]]]:
-    """Coordinates of points (N, len(letters)) [m]: "x", "y", ... with a sentence that names the kind of instrument."""
+    """Coordinates for `Stations`: letter -> (sentence with the kind of instrument, values [m]).
+
+    what: points (N, len(letters)) [m], such as places of gauges.
+    """
     points = np.array(what, float).reshape(-1, len(letters))
     return {axis: (f"position of the {kind} along {axis}", points[:, a].tolist()) for a, axis in enumerate(letters)}
 

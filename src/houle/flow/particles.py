@@ -1,4 +1,4 @@
-"""Water particles: named columns, one row for each particle. A particle carries a volume of water and moves with it.
+"""Water particles: named columns with one row for each particle, which carries a volume of water and moves with it.
 
 Every particle has a position, a Darcy velocity and a volume. Whatever else a run keeps for each particle is a column
 that its owner (the flow, a transfer, a boundary, a feature of yours) declares once, in one place:
@@ -34,7 +34,7 @@ from houle.grid import FloatArray, Grid
 
 OWN = ("position", "velocity", "volume")  # the columns that every particle has
 
-Nodes = tuple[int, int]  # along x: the first node of the lattice that particles are made anew on, and the end of it
+Nodes = tuple[int, int]  # first node along x of the lattice of new particles, and the one after the last; -1: all
 EVERYWHERE: Nodes = (0, -1)
 
 
@@ -43,7 +43,7 @@ class Column:
     """Declaration of a quantity that each particle has besides its position, velocity and volume.
 
     shape  of the value of one particle: () a number, (d,) a vector, (d, d) a matrix
-    new    value of particles that nothing else gives one: those of the start, and those that come in at an open side
+    new    value of new particles that nobody gives one: those at the start, and those that enter at an open side
     """
 
     name: str
@@ -53,7 +53,7 @@ class Column:
     dtype: type[np.floating[Any]] = np.float64
 
     def values(self, count: int) -> FloatArray:
-        """The column of so many new particles, (count, *shape)."""
+        """The column of `count` new particles, (count, *shape)."""
         return np.full((count, *self.shape), self.new, self.dtype)
 
 
@@ -75,7 +75,7 @@ class Particles(Component):
     # ---- columns -------------------------------------------------------------------------------------------------
 
     def declare(self, *columns: Column) -> None:
-        """Gives every particle these columns as well, with the value of new particles; one that is there stays."""
+        """Gives every particle these columns too, with the value of new particles; a column that exists stays."""
         for column in columns:
             if self.declared.get(column.name) == column:
                 continue
@@ -102,12 +102,12 @@ class Particles(Component):
     # ---- other particles -----------------------------------------------------------------------------------------
 
     def select(self, chosen: NDArray[np.bool_] | NDArray[np.integer[Any]]) -> Particles:
-        """Some of the particles: those where a mask (N,) is true, or those with these numbers, in that order."""
+        """The particles for which a mask (N,) is true, or those with these numbers, in that order."""
         some = Particles(self.position[chosen], self.velocity[chosen], self.volume[chosen])
         return self._same_columns(some, {name: values[chosen] for name, values in self._further.items()})
 
     def append(self, position: FloatArray, velocity: FloatArray, volume: FloatArray, **given: FloatArray) -> Particles:
-        """These particles, then M more. given: their values (M, *shape) of declared columns, else those of `new`."""
+        """These particles, then M more. given: values (M, *shape) of declared columns for those, `new` otherwise."""
         own = zip((self.position, self.velocity, self.volume), (position, velocity, volume), strict=True)
         more = Particles(*(np.concatenate(both) for both in own))
         values = {
@@ -117,7 +117,7 @@ class Particles(Component):
         return self._same_columns(more, values)
 
     def replaced(self, position: FloatArray, velocity: FloatArray, volume: FloatArray) -> Particles:
-        """Other particles in the place of these, with the same columns: their values are those of `new`."""
+        """Other particles with the same declared columns as these; the values in them are `new`."""
         others = Particles(position, velocity, volume)
         return self._same_columns(others, {name: column.values(len(others)) for name, column in self.declared.items()})
 

@@ -1,4 +1,8 @@
-"""The projection: the pressure that makes the Darcy velocity free of divergence, and the velocity that follows."""
+"""The projection: the pressure that makes the Darcy velocity free of divergence, and the velocity that follows.
+
+Equations (15) to (18) of docs/theory.md. `work.valid` numbers the faces by layers outwards: 1 where the velocity is
+known from the pressure or at a wall, 2, 3, ... in the layers to which it is carried on from there, 0 beyond.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +15,16 @@ from houle.flow.state import SPRAY, Flow
 from houle.grid import FloatArray
 from houle.medium.interfaces import Shared
 
-LEAST_DEPTH = 1e-6  # of the centre of a pressure cell below the surface that counts, in cells
+LEAST_DEPTH = 1e-6  # cells: depth below the surface that the centre of a pressure cell is given at least
 
 
 def project(flow: Flow, dt: float, ledger: Ledger) -> None:
-    """Pressure that makes div u_d = 0 in the water with p = 0 on its surface; velocity carried on into the air."""
+    """Solves for the pressure that makes div u_d = 0 in the water, with p = 0 on its surface, and applies it.
+
+    flow.velocity holds u* on entry and u' on return, carried on into the air as far as particles need it; dt [s] is
+    the time over which the forces acted. flow.pressure is p / rho [m2/s2]. Raises SimulationError where the solver
+    does not reach the tolerance.
+    """
     core, tolerance = flow.grid.core, flow.tolerance / dt
     work, open_faces = flow.work, flow.boundaries.open_faces
     star = [u.copy() for u in flow.velocity] if flow.heavy else []
@@ -56,9 +65,9 @@ def project(flow: Flow, dt: float, ledger: Ledger) -> None:
 
 
 def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
-    """Velocity and mobility of faces that two media share become the means over both media: what the pressure drives.
+    """Sets velocity and mobility of the faces that two media share to the means over both, for the projection.
 
-    Returns, (K,) each, velocity [m/s] and mobility [s] of the medium at the centre, then the same of both media.
+    Returns four arrays (K,): velocity [m/s] and mobility [s] of the medium at the centre of the face, then the means.
     """
     fields = (flow.velocity[axis], flow.mobility[axis])
     own, joint = [field.ravel()[faces.face] for field in fields], [faces.mean(field) for field in fields]
@@ -68,7 +77,10 @@ def _join_sides(flow: Flow, axis: int, faces: Shared) -> list[FloatArray]:
 
 
 def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) -> None:
-    """After the projection: shared faces have that of the medium at the centre again, moved by the same pressure."""
+    """Gives shared faces the velocity of the medium at their centre again, changed by the same pressure gradient.
+
+    before: of `_join_sides`. The mobility is restored as well.
+    """
     u, mobility = flow.velocity[axis].ravel(), flow.mobility[axis].ravel()
     own, own_mobility, joint, joint_mobility = before
     now, closed = u[faces.face], flow.boundaries.open_faces[axis].ravel()[faces.face] == 0.0
@@ -77,13 +89,13 @@ def _part_sides(flow: Flow, axis: int, faces: Shared, before: list[FloatArray]) 
 
 
 def _carry_changes(flow: Flow, star: list[FloatArray]) -> None:
-    """In heavy pores (`Flow.heavy`) the faces just beyond the pressure keep their own velocity and take the change that
-    the pressure made in those beside them; a layer further out they keep their own.
+    """Replaces velocities that were carried outwards in heavy pores (`Flow.heavy`), in two layers of faces.
 
-    star: velocities on the faces before the projection; empty where no pores are heavy.
+    In the first layer a face keeps its own velocity and takes the mean change that the pressure made in the faces
+    beside it; in the second it keeps its own. Gravity hardly changes a velocity there in a step: one that is carried
+    outwards again and again grew without a force, by 5 % a step in a film that fell through n = 0.2.
 
-    Gravity changes next to nothing there in a step: a velocity carried outwards again and again grew without a force,
-    by 5 % a step in a film that fell through n = 0.2.
+    star: velocities u* on the faces before the projection; empty where no pores are heavy.
     """
     for axis, (where, around) in enumerate(flow.heavy):
         u, own, valid = flow.velocity[axis].ravel(), star[axis].ravel(), flow.work.valid[axis].ravel()
@@ -96,8 +108,10 @@ def _carry_changes(flow: Flow, star: list[FloatArray]) -> None:
 
 
 def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:
-    """Where the inertia of the faces changes, a velocity carried outwards has no more energy than the water there had,
-    or a face beside that has a pressure: u_d carried from clear water into pores would be many times that.
+    """Limits velocities that were carried outwards to faces of another inertia (`Flow.edges`).
+
+    Such a velocity gets no more kinetic energy than the face had before, or than a face beside it that has a pressure:
+    u_d carried from clear water into pores would have many times that. own: the velocities (K,) before, per axis.
     """
     for axis, ((where, around, inertia, others), before) in enumerate(zip(flow.edges, own, strict=True)):
         u, valid = flow.velocity[axis].ravel(), flow.work.valid[axis].ravel()
@@ -111,13 +125,13 @@ def _limit_carried(flow: Flow, own: list[FloatArray]) -> None:
 
 
 def _book_works(flow: Flow, dt: float, ledger: Ledger) -> None:
-    """What drag and sponges took in this step, and what the boundaries gave."""
+    """Books the work of drag and sponges in this step, and that of pushes and pressure at the boundaries."""
     core, m, mass, boundaries = flow.grid.core, flow.medium, flow.work.face_mass, flow.boundaries
     change = (mass, flow.mobility, flow.old_velocity, flow.velocity)
     if flow.porous:
         ledger.drag_work += _core.drag_work(core, m.material, m.materials, [], *change)
     if boundaries.damping:
-        without = m.materials * [1.0, 0.0, 0.0]  # of what the bodies resist
+        without = m.materials * [1.0, 0.0, 0.0]  # the inertia of the bodies without their resistance
         ledger.sponge_work += _core.drag_work(core, m.material, without, boundaries.damping, *change)
     for axis, where in boundaries.pushed.items():
         fields = (mass, boundaries.pushes, flow.old_velocity, flow.velocity)

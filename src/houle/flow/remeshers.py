@@ -1,11 +1,12 @@
-"""Remeshers: the particles of a flow are replaced by new ones on a regular lattice, two per cell and axis.
+"""Remeshers: they replace the particles of a flow by new ones on a regular lattice, two per cell and axis.
 
-Advection brings particles together along some directions and apart along others; from time to time their water goes to
-the nodes of a lattice, with the M4' weights of the paper, eqs (6)-(7). The remeshers differ where a particle does not
-see all the nodes around it, that is at the free surface and at porous interfaces.
+Advection brings particles together along some directions and apart along others. From time to time their water is
+given to the nodes of the lattice, with the M4' weights of the paper, eqs (6)-(7); each node that gets water becomes a
+new particle. The remeshers differ where a particle does not see all the nodes around it, that is at the free surface,
+at solids and at porous interfaces.
 
 To add a remesher copy the shortest class, change its row and its `__call__`, and add it to `REMESHERS` at the bottom.
-When particles are remeshed, and what is done around it, is in remeshing_schedule.py.
+remeshing_schedule.py decides when particles are remeshed.
 
 References: Monaghan 1985, J. Comput. Phys. 60, 253 (M4'); Chaniotis, Poulikakos & Koumoutsakos 2002, J. Comput. Phys.
 182, 67 (remeshing); Cottet & Koumoutsakos 2000, Vortex Methods (both).
@@ -32,10 +33,10 @@ from houle.registry import Choices
 
 
 class Remesher:
-    """What every remesher does, and what it is called: `name` in the case file, `what` and `source` for the reader.
+    """Base of the remeshers. `name` is that in the case file; `what`, `source` and `range` are for `houle describe`.
 
-    travel     cells that water must have come away from where it was for a remeshing to be worth it
-    conserves  whether the volume of the water stays what it is, to round-off
+    travel     cells by which some water must have moved on before a remeshing is worth it
+    conserves  whether the volume of the water is conserved to round-off
     """
 
     name: ClassVar[str]
@@ -47,12 +48,12 @@ class Remesher:
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Remesher:
-        """The remesher for the water in a tank, with what stands in it."""
+        """The remesher for a tank with this grid and medium."""
         return cls()
 
     @property
     def with_water(self) -> Remesher:
-        """Makes the same particles, and hands on whatever stands in the place of the velocities as it does volume."""
+        """A remesher that makes the same particles, but treats values in the place of velocities as it does volume."""
         return self
 
     def __call__(
@@ -62,11 +63,11 @@ class Remesher:
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
-        """New particles with the columns of the old ones; what was declared has the values of new particles.
+        """New particles with the columns of the old ones; declared columns have their values for new particles.
 
         porosity  at the particles (N,); None where it is 1 everywhere
-        between   first node and end of the nodes along x, where walls stand that are not the sides of the tank
-        gates     (K, 2) x of the face of each and height of its lower edge, on a grid line [m]; None: there are none
+        between   nodes along x that may get water: those between moving walls
+        gates     (K, 2) x of the face and height of the lower edge of each gate, on a grid line [m]; None: no gates
         """
         raise NotImplementedError
 
@@ -75,27 +76,28 @@ class Remesher:
 class Conservative(Remesher):
     """Conserves volume, momentum and centre of volume, up to the surface and across porous interfaces.
 
-    porosity    of the cells, as Medium.listed gives it; None: 1 everywhere
-    body        number of the body that each half cell lies in (Medium.body), negative in solids
-    outline     of the solids; None: there are none
-    interfaces  where porous media meet; along them each side hands on its own velocity (docs/theory.md, section 8)
-    along       whether it does so: not for what goes with the water itself
+    porosity    porosity of particles at the cell centres, as Medium.listed gives it; None: 1 everywhere
+    body        number of the body that each half cell lies in (`Medium.body`), negative in solids
+    outline     outline of the solids; None without solids
+    interfaces  where porous media meet: along them each side keeps its own velocity (docs/theory.md, section 11)
+    along       True for velocities; False for quantities that are handed across interfaces with the water itself
 
     Between the centres of the cells the porosity is linear; where it varies the nodes around a particle receive in
     proportion to that of their half cells, so that water which fills the pores goes on filling them.
 
-    Conserved to round-off, whatever the particles: sum V, sum V u_d and sum V x, so the potential energy; what would
-    have left the tank or entered a solid is made good by those around it. Around a periodic axis x is known up to its
-    length. The true momentum sum V u_d / n is conserved as far as n is the same for all. Gates are walls: what was on
-    one side of one that is shut stays there, each side by itself conserves all this. A particle whose water would reach
-    above the lower edge of a raised one gives to its own side.
+    For any particles, sum V, sum V u_d and sum V x are conserved to round-off, and with them the potential energy. New
+    particles that would lie outside the tank or in a solid are moved out, and those around them make up for it. Around
+    a periodic axis x is known up to its length. The momentum sum V u_d / n is conserved where n is the same for all.
+    Gates are walls: each side of a shut gate conserves all this by itself. A particle whose nodes reach above the lower
+    edge of a raised gate gives to its own side only.
 
-    Kinetic energy: noise is filtered, and particles that drifted in a wave for a period lose some 1e-5 of it. Second
-    moments of momentum are not those of energy, though: on particles shaken by 0.3 spacings a velocity gradient leaves
-    some noise behind, +2e-3 of the energy of a wave 24 dx long, falling with the square of its length.
+    Kinetic energy is not conserved exactly: noise is filtered, and particles that drifted in a wave for a period lose
+    some 1e-5 of it. Conserving moments of momentum does not conserve energy: on particles shaken by 0.3 spacings a
+    velocity gradient leaves some noise behind, +2e-3 of the energy of a wave 24 dx long, falling with the square of its
+    length.
 
-    Particles within a spacing or two of the surface, of an interface or a wall end up slightly off the lattice: there
-    sits the centre of the water they got. Spray away from any water is left as it is.
+    Particles within a spacing or two of the surface, of an interface or of a wall end up slightly off the lattice, at
+    the centre of the water that they got. Spray away from any other water is left as it is.
     """
 
     name = "conservative"
@@ -114,13 +116,13 @@ class Conservative(Remesher):
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Conservative:
-        """The remesher of a tank with what stands in it."""
+        """The remesher for a tank with these porous bodies and solids."""
         porosity = medium.listed("particle_porosity") if medium.bodies else None
         return cls(grid, porosity, medium.body, medium.outline, medium.interfaces)
 
     @property
     def with_water(self) -> Conservative:
-        """The same remeshing without sides: what goes with the water is handed across interfaces as volume is."""
+        """This remesher without sides of interfaces: it hands quantities across them as it does volume."""
         return replace(self, along=False)
 
     def __call__(
@@ -130,7 +132,7 @@ class Conservative(Remesher):
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
-        """New particles; SimulationError where the old ones hold what is no number, or are too far apart."""
+        """New particles. SimulationError where the old ones hold something not finite, or are too far apart."""
         tank = (self.grid.core, self.porosity, self.body, self.outline)
         others = (porosity, *between, self.interfaces, self.along, gates)
         new = _made_anew(_core.remesh_conservative, tank, particles, others)
@@ -146,11 +148,12 @@ class Conservative(Remesher):
 
 @dataclass(frozen=True)
 class Paper(Remesher):
-    """Puts a full particle, V = n h^d, on every node that is filled to more than the threshold: paper, eqs (6)-(7).
+    """Puts a full particle, V = n h^d, on every node that is filled to more than `threshold`: paper, eqs (6)-(7).
 
-    V_j is inside the sum of (6), and the weights (7) are a tensor product: without that constants are not reproduced.
-    The surface rises by up to a lattice spacing each time, and the volume with it: the offset that the paper reports in
-    its section 5.1. It is there to be compared with, not to be used. Comes every so many steps, moved or not.
+    h is half the grid spacing. V_j stands inside the sum of (6), and the weights (7) are a tensor product: otherwise
+    constants would not be reproduced. The surface rises by up to a lattice spacing each time, and the volume with it:
+    this is the offset that the paper reports in its section 5.1. The remesher is there to be compared with, not to be
+    used. It acts after every `remesh_every` steps, whether water has moved or not.
     """
 
     name = "paper"
@@ -165,7 +168,7 @@ class Paper(Remesher):
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Paper:
-        """The remesher of a tank, of which it sees the solids alone."""
+        """The remesher for a tank; of the medium it takes the solids alone."""
         return cls(grid, outline=medium.outline)
 
     def __call__(
@@ -175,7 +178,7 @@ class Paper(Remesher):
         between: Nodes = EVERYWHERE,
         gates: FloatArray | None = None,
     ) -> Particles:
-        """New particles, out of the solids; SimulationError where the old ones hold what is no number."""
+        """New particles, none in a solid. SimulationError where the old ones hold something not finite."""
         core = self.grid.core
         new = _made_anew(_core.remesh_paper, (core,), particles, (porosity, self.threshold, gates))
         _core.leave_solids(core, self.outline, new.position)
@@ -201,10 +204,12 @@ class Keep(Remesher):
 
 
 def handed_on(remesher: Remesher, old: Particles, values: FloatArray, *where: Any) -> FloatArray:
-    """What goes with the water: values (N, *shape) of the old particles, per volume, at the new ones (M, *shape).
+    """Values (M, *shape) of the new particles of a quantity that moves with the water, from those of the old ones.
 
-    where: all that the remesher takes besides the particles. The sum of volume times value is conserved as that of
-    volume is: by "conservative" to round-off.
+    values  (N, *shape) amounts per volume of water, as a concentration is, of the old particles
+    where   everything that the remesher takes besides the particles
+
+    The remesher conserves the sum of volume times value as it does that of volume: "conservative" to round-off.
     """
     width, d = math.prod(values.shape[1:]), old.position.shape[1]
     flat, handed = values.reshape(len(old), width), []
@@ -223,9 +228,9 @@ def _made_anew(
     old: Particles,
     others: tuple[Any, ...],
 ) -> Particles:
-    """The particles of a remeshing of the core, `scheme(*tank, position, velocity, volume, *others)`.
+    """The particles that a function of the core makes, `scheme(*tank, position, velocity, volume, *others)`.
 
-    SimulationError where it refuses the old ones, because they hold what is not a number.
+    SimulationError where it refuses the old ones because they hold something not finite.
     """
     arguments = (*tank, old.position, old.velocity, old.volume, *others)
     try:

@@ -1,8 +1,8 @@
-"""When the particles of a flow are remeshed, and what goes on around it.
+"""When the particles of a flow are remeshed, and what has to be done before and after it.
 
-Columns of the water and the marks of the crests are handed on; paddles move the particles in front of them to where the
-lattice has its nodes, and back; near porous interfaces no energy is made. How particles are remeshed stands in
-remeshers.py.
+Columns of the water and the marks of the crests are handed on to the new particles. Paddles shift the particles in
+front of them to where the lattice has its nodes, and back. Energy that a remeshing makes near porous interfaces is
+taken off again. The remeshings themselves are in remeshers.py.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from houle.grid import FloatArray, widened
 
 
 class RemeshingSchedule(Component):
-    """Calls a remesher every `every` steps, once water has moved on by `travel` cells (`Remesher.travel`).
+    """Calls a remesher after at least `every` steps, once water has moved on by `travel` cells (`Remesher.travel`).
 
     count      steps since the last remeshing
-    travelled  integral of the pore velocity on the faces since then [m], float32
+    travelled  integral of the Darcy velocity over time on the faces since then, one array per axis [m], float32; over
+               the porosity, it is how far the water has moved
 
-    What counts is how far water is from where it was, not the length of its way: waves whose orbits are small beside a
-    cell carry the particles to and fro and leave them in order (docs/decisions/0009, 0010).
+    The distance from where the water was is what counts, not the length of its path: waves whose orbits are small
+    beside a cell carry the particles to and fro and leave them in order (docs/decisions/0009, 0010).
     """
 
     on_rows = ("travelled",)
@@ -39,10 +40,7 @@ class RemeshingSchedule(Component):
         self.travelled: list[NDArray[np.float32]] = []
 
     def after_step(self, flow: Flow, transfer: Transfer, dt: float) -> None:
-        """Remeshes where it is time to, with all that goes with the water. On return the particles are not sorted.
-
-        dt: how long the particles have moved with the velocity of the grid [s].
-        """
+        """Ends a step of dt [s]: remeshes if it is time to. The particles are then not sorted any more."""
         self.count += 1
         self.travelled = self.travelled or [np.zeros(u.shape, np.float32) for u in flow.velocity]
         farthest = self._go_on(flow, dt)
@@ -82,7 +80,7 @@ class RemeshingSchedule(Component):
         flow.particles = new
 
     def state(self) -> State:
-        """When the last remeshing was, and how far water has moved since on each axis."""
+        """Steps since the last remeshing, and how far water has moved since on the faces of each axis."""
         ways = {f"travelled.{axis}": way for axis, way in enumerate(self.travelled)}
         return {"count": np.array(self.count), **ways}
 
@@ -92,7 +90,7 @@ class RemeshingSchedule(Component):
         self.travelled = [np.array(state[key]) for key in sorted(state) if key.startswith("travelled.")]
 
     def _go_on(self, flow: Flow, dt: float) -> float:
-        """Adds a step to `travelled`; returns how far water is from where it was, the largest of all faces [cells]."""
+        """Adds a step of dt [s] to `travelled`; returns how far water has moved, the largest of all faces [cells]."""
         grid, least = flow.grid, SPRAY * flow.grid.cell_volume
         fields = (flow.velocity, flow.work.face_mass, least, flow.listed("porosity"), self.travelled)
         ways = _core.travel(grid.core, dt, *fields)
@@ -100,7 +98,7 @@ class RemeshingSchedule(Component):
 
 
 def _energy(flow: Flow) -> FloatArray:
-    """Twice the kinetic energy in each cell near interfaces and those around it [m^d m2/s2], per density."""
+    """Twice the kinetic energy per density of each cell near interfaces together with all around it [m^d m2/s2]."""
     p, total = flow.particles, flow.grid.cells()
     _core.cell_energy(flow.grid.core, flow.around_interface, p.position, flow.bulk, p["inertia"], p.velocity, total)
     for axis, wraps in enumerate(flow.grid.periodic):
@@ -110,10 +108,11 @@ def _energy(flow: Flow) -> FloatArray:
 
 
 def _take_made(flow: Flow, before: FloatArray) -> None:
-    """Takes what remeshing has made of energy near interfaces where no pressure holds the water.
+    """Takes off the kinetic energy that remeshing has made near interfaces where no pressure holds the water.
 
-    Water that is given to a node of another porosity with its u_d has C_r/n^2 there times the energy (section 7 of
-    docs/theory.md); in cells that are held the pressure pays for it.
+    Energy at a given u_d is in proportion to C_r/n^2, so water that is given to a node of another porosity with its u_d
+    changes energy (docs/theory.md, section 6). Where the pressure holds the water it does the work for this.
+    before: of `_energy`, before the remeshing. The velocities in a cell that has more are scaled down.
     """
     held = np.ones(flow.grid.shape, bool)
     for axis, faces in enumerate(flow.held):

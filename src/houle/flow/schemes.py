@@ -12,7 +12,7 @@ from houle.registry import Choices
 class Scheme:
     """A scheme as the case file and `houle describe` know it.
 
-    takes: the values of the other keys of [numerics] that it stands for
+    takes: the values of the other keys of [numerics] for which the name stands
     """
 
     name: str

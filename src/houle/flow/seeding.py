@@ -1,17 +1,20 @@
-"""Seeding: the first particles of a run, at rest, one for each half cell that holds some of the water.
+"""Seeding: makes the first particles of a run, at rest, one for each half cell that holds water.
 
 A particle carries exactly the water of its half cell (area of the water shapes, without solids, times porosity) and
-lies at the centroid of that water. So volume, mean level and centre of gravity are those of the water that was asked
-for, wherever levels and interfaces lie. The tent function is linear along each axis of a half cell: beside porous
-interfaces along the axes the fill fraction of a submerged cell is 1 to round-off. Beside sloping ones and at corners
-the term in x z is left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid. Water round the corner of
-a solid may have its centroid in the solid: it gets two particles with that centre of volume, one on each side of the
-corner.
+lies at the centroid of that water. So volume, mean level and centre of gravity are those of the water in the case,
+wherever levels and interfaces lie.
 
-Beside upright interfaces that run through the whole height water lies as flow leaves it, with the porosity of particles
-(`Settled`): some of it, in all half cells of a row alike, is across the interface.
+The fill of a cell (7) weighs particles with the tent function, which is linear along each axis of a half cell. Beside
+porous interfaces along the axes the fill of a submerged cell is therefore 1 to round-off. Beside sloping interfaces and
+at corners an error of the term in x z is left: up to 0.5 % for a porosity of 0.39, and 1 % beside a sloping solid.
+Water around the corner of a solid may have its centroid in the solid: it gets two particles with that centre of volume,
+one on each side of the corner.
 
-Some columns of half cells are done at a time, so that the half cells need no more memory than the particles.
+Beside upright interfaces that run through the whole height of the tank, water is placed as flow leaves it, with the
+porosity of particles (`Settled`): a little of it, the same in all half cells of a row, lies across the interface.
+
+The tank is done in slabs, some columns of half cells at a time, so that the half cells need no more memory than the
+particles.
 """
 
 from __future__ import annotations
@@ -36,22 +39,22 @@ from houle.medium.solids import Outline
 
 SLIVER = 0.25  # share of the pores of a half cell: less water than this joins the particle beside it
 NARROW = 0.1  # share of a half cell: less pore volume than this counts as this much
-SLAB = 1 << 17  # half cells that are done at a time, about
+SLAB = 1 << 17  # half cells in a slab, about
 LEVERS = (1.0, 1.5, 2.0, 3.0, 4.0)  # ratios of the distances of two particles from their common centre
-BESIDE = 3  # columns beside a slab that decide what it is given: by slivers, a neighbour's neighbour, and `Settled`
-FITS = 100  # iterations of the fit: each leaves two thirds of what is left
+BESIDE = 3  # columns of half cells on each side that a slab depends on: through slivers, theirs, and `Settled`
+FITS = 100  # iterations of `_same_tents`: each leaves two thirds of the error
 NEARLY = 1e-12  # porosities that differ by less are the same
-ROUND_OFF = 1e-15  # share of the water of a half cell that is round-off
+ROUND_OFF = 1e-15  # share of a half cell: differences of water below this are round-off
 
-Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume in some areas of the section, per span
+Region = tuple[float, list[tuple[Span, shapely.Geometry]]]  # water per volume [-], and its areas per span of y
 
 
 def seed(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Particles:
     """Particles at rest that hold all water inside the union of the shapes and outside the solids, 2 per axis and cell.
 
-    They are ordered as a raster, z fastest. A half cell with less water than `SLIVER` of its pores gives it to the one
-    below, or else to the fullest one beside it or at its corners, with its first moment; where there is none (a film
-    thinner than that) it keeps its water.
+    They are ordered as a raster, z fastest. A half cell with less water than `SLIVER` of its pores gives it, with its
+    first moment, to the half cell below, or else to the fullest one beside it or at its corners. Where none of them
+    holds enough water, as in a thin film, it keeps its own.
     """
     return Particles.together(list(seed_slabs(grid, medium, water)))
 
@@ -79,18 +82,20 @@ def seed_slabs(grid: Grid, medium: Medium, water: Sequence[Shape]) -> Iterator[P
 
 @dataclass(frozen=True)
 class Settled:
-    """How water lies, after flow, beside upright interfaces that run through the whole height of a tank.
+    """Places water beside upright interfaces, through the whole height of a tank, as flow would leave it.
 
-    Water that moves with u_d / n, where n is the continuous porosity of particles, comes to lie with that n: it fills
-    the same tents as the structure does but differs within some cells of an interface (decision 0010). Water that lay
-    as the structure holds it, and moved so, carried up to a fifth too much or too little: the level beside the face of
-    a block, n = 0.45, changed by a third of the way that the water went, and rose by 2.9 mm where 3.4 were due.
+    Water moves with u_d / n, where n is the continuous porosity of particles (section 3 of docs/theory.md), and so it
+    comes to lie with that n: the tents of the cells hold as much of it as the structure does, but within some cells of
+    an interface it is distributed in another way (decision 0010). Water that was seeded as the structure holds it
+    carried up to a fifth too much or too little when it moved: the level beside the face of a block, n = 0.45, changed
+    by a third of the way that the water went, and rose by 2.9 mm where 3.4 were due.
 
-    axis   along which the porosity varies
-    flux   (2 n + 1,) water that crosses the ends of the half cells on the way from how the structure holds it to how it
-           settles, in half cells of clear water
-    stir   (2 n,) by which the first moment of the water of a half cell changes besides, in half cells
-    pores  (n,) porosity of the columns as `column_heights` sums the water in them
+    n is the number of cells along the axis. Amounts are in half cells of clear water.
+
+    axis   axis along which the porosity varies
+    flux   (2 n + 1,) water that has to cross the ends of the half cells, towards larger x, to settle
+    stir   (2 n,) further change of the first moment of the water in each half cell, in half cells times half spacings
+    pores  (n,) porosity of the columns of cells, as `column_heights` sums the water in them
     """
 
     axis: int
@@ -100,10 +105,10 @@ class Settled:
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Settled | None:
-        """How water settles in a tank; None where it lies as the structure holds it.
+        """The settling of water in a tank; None for a tank where water is placed as the structure holds it.
 
-        That is where an interface is oblique, a solid or a gate stands, or the porosity of particles had to be kept
-        from 0.
+        That is one with an oblique interface, a solid or a gate, or one in which the porosity of particles had to be
+        kept away from 0.
         """
         axis = _only_axis(grid, medium)
         if axis is None:
@@ -116,10 +121,10 @@ class Settled:
 
     @classmethod
     def _fit(cls, axis: int, held: FloatArray, moment: FloatArray) -> Settled | None:
-        """From what the structure holds in the half cells of a line, and its first moments (2 n,), in half cells.
+        """The settling along a line of half cells. held, moment (2 n,): water in the structure, its first moments.
 
-        The porosity of particles is linear between the centres of the cells: its values n there are those with which
-        the tents hold what the structure does.
+        The porosity of particles is linear between the centres of the cells; its values there are such that the tents
+        hold as much water as in the structure.
         """
         centre = np.arange(len(held)) + 0.5
         offset, cells = moment - held * centre, 0.5 * (held[::2] + held[1::2])
@@ -162,13 +167,17 @@ class Settled:
         moment[a] += self.stir[begin : begin + count].reshape(along) * np.minimum(np.minimum(low, high), wet)
 
     def _carry(self, amount: FloatArray, field: FloatArray) -> None:
-        """Takes what crosses the inner ends of the half cells from those before them to those behind, in place."""
+        """Moves these amounts across the inner ends of the half cells, towards larger x, in place."""
         outer = [(1, 1) if b == self.axis else (0, 0) for b in range(field.ndim)]
         field -= np.diff(np.pad(amount, outer), axis=self.axis)
 
 
 def column_pores(grid: Grid, medium: Medium) -> FloatArray:
-    """Porosity of the columns of cells that have one, (nx, [ny]) [-]: that with which `column_heights` sums water."""
+    """Porosity of each column of cells (nx, [ny]) [-] by which its water is divided to get its level, as in (9).
+
+    It has a meaning in columns of one porosity only, others have a `Capacity`. Where water is `Settled` it is the
+    porosity that the spline of `column_heights` sees.
+    """
     pores, settled = medium.porosity.min(axis=-1), Settled.of(grid, medium)
     if settled is None:
         return pores
@@ -177,7 +186,7 @@ def column_pores(grid: Grid, medium: Medium) -> FloatArray:
 
 
 def _only_axis(grid: Grid, medium: Medium) -> int | None:
-    """The horizontal axis along which alone the porosity varies, all interfaces across it; None if there is none."""
+    """The one horizontal axis along which the porosity varies, all interfaces across it; None without such an axis."""
     if medium.solids or medium.interfaces is None or not medium.settles:
         return None
     n, d = medium.porosity, grid.dimension
@@ -189,7 +198,7 @@ def _only_axis(grid: Grid, medium: Medium) -> int | None:
 
 
 def _tents(held: FloatArray, offset: FloatArray) -> FloatArray:
-    """What the tents of the cells of a line hold, (n,), of half cells with volumes and first moments (2 n,)."""
+    """Water (n,) in the tents of the cells of a line; its half cells have volumes and first moments (2 n,)."""
     wide, apart = np.pad(held, 1, "edge"), np.concatenate([[-offset[0]], offset, [-offset[-1]]])
     tent, count = np.zeros(len(held) // 2), len(held) // 2
     for k, r in enumerate((-1.5, -0.5, 0.5, 1.5)):  # middles of the half cells in a tent, from its centre
@@ -198,7 +207,10 @@ def _tents(held: FloatArray, offset: FloatArray) -> FloatArray:
 
 
 def _same_tents(tent: FloatArray, n: FloatArray) -> FloatArray:
-    """Values (n,) at the centres of cells between which a linear function fills the tents so; n: first guess."""
+    """Values (n,) at cell centres of the piecewise linear function with these means over the tents (n,).
+
+    n: first guess. The mean over a tent is 1/6, 4/6, 1/6 of the values there and on both sides.
+    """
     for _ in range(FITS):
         around = widened(n, 0, False)
         n = n + tent - (around[:-2] + 4.0 * around[1:-1] + around[2:]) / 6.0
@@ -206,9 +218,9 @@ def _same_tents(tent: FloatArray, n: FloatArray) -> FloatArray:
 
 
 def _spline_pores(held: FloatArray, lean: FloatArray) -> FloatArray:
-    """Water of the columns of a line (n,), by quadratic B-splines over the particles of its half cells.
+    """Water (n,) of the columns of a line, summed over its particles with quadratic B-splines, as in (9).
 
-    held, lean: their volumes and first moments about the middles of the half cells (2 n,), in half cells.
+    held, lean: volumes of the half cells and their first moments about their middles (2 n,), in half cells.
     """
     place = lean / held
     wide = np.pad(held, 2, "symmetric")
@@ -224,10 +236,11 @@ def _spline_pores(held: FloatArray, lean: FloatArray) -> FloatArray:
 def _beside_corners(
     grid: Grid, outline: Outline | None, position: FloatArray, volume: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Positions [m] and volumes with two particles for each one that lies in a solid: their centre is where it lay.
+    """Positions [m] and volumes [half cells] with two particles in the place of each one that lies in a solid.
 
-    Both lie in its half cell, over which the tents are linear, at the ends of the shortest of some lines through it
-    (`_pairs_of_ways`). Where there is no such line the particle takes the nearest way out.
+    The two have the volume and the centre of that one. They lie in the same half cell, over which the tents are linear,
+    at the ends of the shortest of some lines through it (`_pairs_of_ways`). Where no such line has both ends in the
+    water, the particle takes the nearest way out of the solid.
     """
     outside = position.copy()
     _core.leave_solids(grid.core, outline, outside)
@@ -254,7 +267,10 @@ def _beside_corners(
 
 
 def _pairs_of_ways(half: FloatArray) -> FloatArray:
-    """Ways (K, 2, d) [m] from a place to two others in line with it, the nearest pairs first. half: of a cell, (d,)."""
+    """Displacements (K, 2, d) [m] from a place to two others in line with it, the nearest pairs first.
+
+    half: size of a half cell (d,) [m].
+    """
     d = len(half)
     ways = [np.array(w) * half * k / 16 for k in range(1, 17) for w in product((-1, 0, 1), repeat=d) if any(w)]
     pairs = np.array([(way, -lever * way) for lever in LEVERS for way in ways])
@@ -262,7 +278,7 @@ def _pairs_of_ways(half: FloatArray) -> FloatArray:
 
 
 def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]:
-    """The regions of the tank that hold water: all of it as if in clear space, less what the porous bodies take."""
+    """The regions that make up the water: its shapes in clear space, and with negative weight the grains in them."""
     parts = partition(grid, medium.bodies, medium.solids, also=water)
     wet = [section(grid, water, span) for span, _, _ in parts]
     regions = [(1.0, [(s, w.difference(solid)) for (s, solid, _), w in zip(parts, wet, strict=True)])]
@@ -273,9 +289,9 @@ def _regions(grid: Grid, medium: Medium, water: Sequence[Shape]) -> list[Region]
 
 
 def _water(grid: Grid, regions: Sequence[Region], columns: tuple[int, int]) -> tuple[FloatArray, list[FloatArray]]:
-    """Water of each half cell of some columns, from one to before another, and its first moments about the origin.
+    """Water of each half cell of the columns [first, end), and its first moments about the origin, one per axis.
 
-    All in units of half cells.
+    Both are in half cells, and half spacings.
     """
     share = [(weight, Measure.of(grid, areas, columns)) for weight, areas in regions]
 
@@ -315,10 +331,10 @@ def _merge_slivers(volume: FloatArray, moment: list[FloatArray], pores: FloatArr
 
 
 def _receivers(source: NDArray[np.intp], amount: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """The neighbour (S, d) that takes the water of each half cell (S, d), and whether there is one (S,).
+    """The neighbour (S, d) that takes the water of each half cell source (S, d), and whether there is one (S,).
 
-    It is the one below if that holds any amount, else the fullest of those beside it, else the fullest of those at its
-    corners.
+    It is the half cell below if that holds any water, else the fullest of those beside it, else the fullest of those at
+    its corners. amount: water of all half cells.
     """
     steps = np.array(sorted(product((-1, 0, 1), repeat=amount.ndim), key=lambda s: (np.abs(s).sum(), *s[::-1]))[1:])
     beside = source[:, None] + steps  # the first step is down, then come the other sides, then the corners

@@ -1,4 +1,4 @@
-"""What a simulation is made from: physics objects and numbers, for any number of rows of cells; no case file.
+"""The setup of a simulation: physics objects and numbers, for any number of rows of cells; no case file.
 
 `houle.case.build` makes a `Setup` from a case; a user of the library can make one by hand. A simulation keeps it,
 because it builds its flow anew on a higher grid when the water rises (rows.py).
@@ -21,10 +21,10 @@ from houle.medium.sections import PorousBody
 from houle.medium.shapes import Shape
 from houle.waves.wave import Wave
 
-Make = Callable[[Grid, Medium, Particles], Boundary]  # of the grid of a flow, the medium, the water at the start
+Make = Callable[[Grid, Medium, Particles], Boundary]  # (grid of a flow, its medium, water at the start) -> boundary
 
-WAVE_SHARE = 1.0 / 3.0  # of the Courant limit of the shortest wave on the grid: what keeps long waves from decaying
-SHORTEST = 1e-6  # of sqrt(h/g), the time in which a cell falls by itself: a flow that asks for shorter steps is none
+WAVE_SHARE = 1.0 / 3.0  # share of the step sqrt(h/g) of the shortest wave on the grid: keeps long waves from decaying
+SHORTEST = 1e-6  # share of sqrt(h/g), the time of fall through a cell: a run that needs shorter steps has failed
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,12 @@ class Water:
 
 @dataclass(frozen=True)
 class Fluid:
-    """Density [kg/m3], kinematic viscosity [m2/s] and Smagorinsky constant [-] of the water, and what drives it.
+    """The water and the uniform forces on it.
 
-    gravity       downwards [m/s2]
+    density       [kg/m3]
+    viscosity     kinematic viscosity [m2/s]
+    smagorinsky   constant C_s of the eddy viscosity [-], 0 for none
+    gravity       gravity, downwards [m/s2]
     acceleration  gravity and a uniform push together, per axis, the last one up [m/s2]
     """
 
@@ -54,9 +57,11 @@ class Fluid:
 class Numerics:
     """The method by the names of its parts: scheme, transfer, kernel and remeshing, and their numbers.
 
-    order, flip   of the transfers "fmpm" and "flip"
+    order         number of terms of the transfer "fmpm"
+    flip          share of FLIP in the transfer "flip" [-]
     remesh_every  least number of steps between two remeshings
-    correction    share of the error in the volume of a cell that the positions lose in a step [-]
+    correction    share of the excess volume of a cell that the position correction spreads when the fastest particle
+                  crosses a quarter of a cell in a step [-]
     tolerance     largest relative volume change max |div u_d| dt that the pressure solve may leave [-]
     """
 
@@ -75,8 +80,8 @@ class Numerics:
 class TimeControl:
     """Length of the run and of its steps [s].
 
-    courant  cells that the fastest particle may cross in a step [-]; without meaning where `step` is given
-    step     fixed step [s]; None: by courant
+    courant  cells that the fastest particle may cross in a step [-]; unused where `step` is given
+    step     fixed step [s]; None: the step follows from courant
     viscous  longest step with which the explicit viscosity is stable [s]
     """
 
@@ -98,9 +103,9 @@ class Setup:
     no_slip     per axis, last up: whether the low and the high wall hold the water back along them
     settles     whether water beside upright interfaces is seeded as flow leaves it (`Medium`): not where gates stand
     boundaries  functions that make one boundary each, in this order
-    instruments what is observed, one entry for each kind of instrument
-    frames      what takes frames of a flow, on the grid of the domain, for a density [kg/m3]
-    wave        the wave that is made, None without
+    instruments instruments that observe the flow, one entry for each kind
+    frames      (flow, grid of the domain, density [kg/m3]) -> `Frames`, which takes snapshots for the writers
+    wave        the wave that is made; None without waves
     """
 
     grid: Grid

@@ -1,6 +1,6 @@
-"""A flow in motion: builds the flow from its setup, chooses the time step, advances, and answers what is where.
+"""The simulation: builds the flow from its setup, chooses the time steps, advances the flow and samples it.
 
-`advance` takes one step; what it does is in step.py. Steps are shortened only to land on the stop it is given.
+`advance` takes one step, as step.py writes it. Steps are shortened only to end at the stop time that is given.
 """
 
 from __future__ import annotations
@@ -37,9 +37,16 @@ from houle.waves.wave import Wave
 
 
 class Simulation(Component):
-    """The state of a run: `time` [s], `steps`, `particles`, `ledger`; `timings` in seconds per operation.
+    """The state of a run.
 
-    `grid` is that of the domain and of the results; the flow has its lowest rows (rows.py).
+    setup      what it is made from
+    grid       grid of the whole domain and of the results; the flow has its lowest rows (rows.py)
+    flow       particles and fields; step: the scheme that advances them
+    ledger     sums of energy, work and seconds
+    observers  instruments that are placed in the flow; frames: takes snapshots
+    steps      number of steps done
+
+    Where `threads` is given, the loops of the core share this number of threads.
     """
 
     def __init__(self, setup: Setup, threads: int | None = None) -> None:
@@ -53,7 +60,7 @@ class Simulation(Component):
         self.ledger.open()
 
     def _build(self, rows: int) -> None:
-        """The flow as it starts, on so many rows of cells, arranged, and what observes it."""
+        """Builds the flow as it starts, arranged, on this number of rows of cells, with step, observers and budget."""
         setup, grid = self.setup, self.grid.lowest(rows)
         fluid, numerics = setup.fluid, setup.numerics
         self.medium = Medium.build(grid, setup.bodies, setup.solids, settles=setup.settles)
@@ -86,7 +93,7 @@ class Simulation(Component):
 
     @property
     def wave(self) -> Wave | None:
-        """The wave that is made."""
+        """The wave that is made in the tank; None without waves."""
         return self.setup.wave
 
     @property
@@ -95,17 +102,18 @@ class Simulation(Component):
 
     @property
     def timings(self) -> dict[str, float]:
+        """Time that each operation took since the process started [s]."""
         return self.ledger.seconds
 
     @property
     def volume_drift(self) -> float:
-        """Change of the water volume that is not in- or outflow, relative [-]."""
+        """Relative change of the volume of water that is neither inflow nor outflow [-]."""
         return self.ledger.volume_drift()
 
     # ---- marching ------------------------------------------------------------------------------------------------
 
     def advance(self, stop: float) -> None:
-        """One time step, never past `stop` [s]; the last step to it is as long as those before."""
+        """Advances by one time step, never past `stop` [s]. The remaining time is divided into equal steps."""
         if not (isinstance(stop, Real) and self.time < stop < math.inf):
             raise CaseError(f"stop = {stop!r} is not a time after t = {self.time:g} s: give a later one [s]")
         if self.steps == 0:
@@ -128,14 +136,16 @@ class Simulation(Component):
             raise
 
     def _make_room(self) -> None:
-        """More rows of cells before the water comes near to the uppermost."""
+        """Rebuilds the flow with more rows of cells if the water has come near to the uppermost one."""
         more = more_rows(self.flow, self.grid.shape[-1]) - self.flow.grid.shape[-1]
         if more:
             self.restore(self.raised(self.state(), more))
 
     def _largest_step(self) -> float:
-        """Courant: no particle crosses more than that share of a cell, nor does the steepest wave the grid can hold.
-        And viscosity, which is explicit, stays stable: of no account in water.
+        """Longest time step allowed now [s]: time.step where given, else by Courant number and viscosity.
+
+        No particle crosses more than `time.courant` of a cell, the shortest wave on the grid at most a third of that
+        (`WAVE_SHARE`), and the explicit viscosity stays stable, which is no limit in water.
         """
         control = self.setup.time
         gravity = max(abs(g) for g in self.flow.gravity) or 1e-300
@@ -153,7 +163,10 @@ class Simulation(Component):
         return min(control.courant * crossed, control.viscous)
 
     def _check(self, largest: float) -> None:
-        """Stops a run that is no longer a flow. largest: step [s] that it allowed, whatever the output asked for."""
+        """Raises SimulationError where the state is no physical flow any more, after a step.
+
+        largest: time step [s] that the flow allowed; the step itself may have been shorter, to end at the stop.
+        """
         p = self.particles
         if not (all(map(math.isfinite, self.flow.fastest)) and _core.all_finite(p.position)):
             raise SimulationError(
@@ -180,17 +193,17 @@ class Simulation(Component):
 
     @property
     def lag(self) -> dict[str, float]:
-        """By how much of a step each quantity of sample() is older than `time`."""
+        """Share of a step by which each quantity of sample() is older than `time` [-]."""
         of = {"position": 0.0, "middle": 0.5, "velocity": self.step.velocity_lag, "pressure": self.step.pressure_lag}
         return {field.name: of[field.instant] for observer in self.observers for field in observer.fields}
 
     def sample(self) -> Sample:
-        """What each observer observes now, as copies, by the names of its fields."""
+        """The present values of all observers, as copies, by the names of their fields."""
         now = Now(self.flow, self.ledger)
         return {name: value for observer in self.observers for name, value in observer.sample(now).items()}
 
     def frame(self) -> Snapshot:
-        """Everything the writers and the pictures need of this instant, as copies."""
+        """A snapshot of this instant for the writers and the pictures, as copies."""
         return self.frames.take(self.steps)
 
     # ---- checkpoints ---------------------------------------------------------------------------------------------

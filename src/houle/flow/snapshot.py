@@ -68,10 +68,10 @@ ETA = Field(
 
 @dataclass(frozen=True)
 class Snapshot:
-    """Particles: position, velocity (N, d), volume, porosity, pressure (N,). Cells: grid.shape, velocity (..., d).
+    """All quantities of one instant, as copies: those of PARTICLES, those of CELLS with `cell_` in front, and eta.
 
-    The quantities are those of PARTICLES and CELLS, here with `cell_` before the names of
-    the cells; eta is that of the profile.
+    Arrays of particles are (N,), vectors (N, d). Arrays of cells have the shape of the grid of the domain, vectors one
+    axis more (..., d). time [s] and step are those of the instant; the units are those of the fields.
     """
 
     time: float
@@ -92,4 +92,4 @@ class Frames(Protocol):
     """Takes snapshots of a flow."""
 
     def take(self, step: int) -> Snapshot:
-        """The present flow, after so many steps, in arrays of its own."""
+        """A snapshot of the flow as it is now, after this number of steps."""

@@ -1,4 +1,4 @@
-"""The first surface and pressure of a run."""
+"""The start of a run: its first free surface and its first pressure."""
 
 from __future__ import annotations
 
@@ -11,8 +11,12 @@ from houle.flow.transfer import Transfer
 
 
 def prepare(flow: Flow, transfer: Transfer, ledger: Ledger) -> None:
-    """Surface and pressure of the water as it stands at the start of a run."""
-    dt = 1e-3 * float(min(flow.grid.spacing)) ** 0.5  # s; the pressure does not depend on it
+    """Finds free surface and pressure of the water as it stands at the start of a run.
+
+    The pressure is that of a short step of the forces, whose velocities are thrown away: on return the faces have the
+    velocities of the particles, and the ledger no work.
+    """
+    dt = 1e-3 * float(min(flow.grid.spacing)) ** 0.5  # [s]; the pressure does not depend on it
     arrange(flow)
     transfer.to_grid(flow)
     for boundary in flow.boundaries:

@@ -1,4 +1,7 @@
-"""The state one time step works on: particles and fields on the grid; what it only works with is in workspace.py."""
+"""The flow: the state that a time step advances, that is the particles and the fields on the grid.
+
+Arrays that are needed only while a step lasts are in workspace.py.
+"""
 
 from __future__ import annotations
 
@@ -28,16 +31,24 @@ if TYPE_CHECKING:
     from houle.flow.crest import Crest
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
-HEAVY = 30.0  # K / n^2 (`Medium`) of pores in which gravity changes next to nothing in a step
-AROUND = 4  # cells beside a gate in which the water counts that its columns can hold
-LARGE = 100_000  # particles from which on memory is worth more than the time to get it again
+HEAVY = 30.0  # pores with K / n^2 (`Medium`) above this are heavy: gravity hardly changes their velocity in a step
+AROUND = 4  # cells on each side of a gate that are flooded to measure what the tents beside it hold
+LARGE = 100_000  # a flow with more particles gives its work space back before it remeshes
 
 
 class Flow(Tank):
-    """Water in a tank between its boundaries, with the numbers of the method. Arrays are reused from step to step;
-    those of the particles grow if needed.
+    """The water in a tank, its boundaries, and the numbers of the method that moves it.
 
-    After each operation of `step.py` the names below hold what their comments say.
+    gravity       acceleration of the water per axis, the last one up [m/s2]
+    kernel        name of the kernel of the transfers, one of `KERNELS`
+    tolerance     largest max |div u_d| dt that the projection may leave [-]
+    viscosity     kinematic viscosity [m2/s]; smagorinsky: constant C_s of the eddy viscosity [-]
+    no_slip       per axis: whether the low and the high wall hold the water back along them
+    boundaries    in the order in which they act
+
+    A flow is *arranged* when its particles are sorted by cell, the medium is sampled where they are, and the free
+    surface is found (`surface.arrange`). Arrays on the grid are overwritten in each step; those of the particles grow
+    if needed.
     """
 
     def __init__(
@@ -56,7 +67,7 @@ class Flow(Tank):
     ) -> None:
         super().__init__(grid, medium, particles, gravity)
         self.kernel = kernel
-        self.tolerance = tolerance  # max |div u_d| dt left by the projection
+        self.tolerance = tolerance
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.porous = bool(np.any(medium.porosity < 1.0))
@@ -64,16 +75,17 @@ class Flow(Tank):
 
         g = grid
         self.inverse_capacity = g.cells()  # 1 / what a tent of full pores holds [1/m^d], 0 in solids
-        self.water_height = np.zeros(g.shape[:-1])  # of the water in each column if there were no grains [m]
-        self.filled_level = np.zeros(g.shape[:-1])  # to which that fills the pores of the column [m]
-        self.single_level = np.zeros(g.shape[:-1])  # the same where the surface is single-valued, else NaN [cells]
-        self.drag: Faces = []  # factor by which the implicit resistance scales the old velocity, where it is wanted
+        self.water_height = np.zeros(g.shape[:-1])  # water of each column over its plan area, without grains [m]
+        self.filled_level = np.zeros(g.shape[:-1])  # level up to which this water fills the pores of the column [m]
+        self.single_level = np.zeros(g.shape[:-1])  # the same in cells; NaN where the surface is not single-valued
+        self.drag: Faces = []  # factor D of (12) by which the drag scales the old velocity; made only for FLIP [-]
         self.nu = g.cells() if smagorinsky > 0.0 else None  # kinematic viscosity with the eddies' [m2/s]
         self.psi = np.zeros(g.shape, np.float32)  # first guess of the potential of the position correction [m2]
-        self.fastest = [0.0] * grid.dimension  # largest |u_d| / n along each axis, of an arranged flow [m/s]
-        self.crests: list[Crest] = []  # sections that book what crosses them
-        self.held = [np.zeros(u.shape, np.uint8) for u in self.velocity] if self.porous else []  # by pressure: faces
-        self.start = np.zeros(math.prod(g.shape) + 1, np.int32)
+        self.fastest = [0.0] * grid.dimension  # largest |u_d| / n of the particles along each axis, arranged [m/s]
+        self.crests: list[Crest] = []  # sections at which overtopping is booked
+        self.held = [np.zeros(u.shape, np.uint8) for u in self.velocity] if self.porous else []  # faces: 1 near an
+        # interface deep under water, where the pressure on both sides holds the flux and the Bernoulli force acts
+        self.start = np.zeros(math.prod(g.shape) + 1, np.int32)  # number of the first particle of each cell
         self._declare_columns()
         self.enclose(boundaries)
 
@@ -101,7 +113,11 @@ class Flow(Tank):
     # ---- boundaries ----------------------------------------------------------------------------------------------
 
     def enclose(self, boundaries: Sequence[Boundary]) -> None:
-        """Puts the boundaries around the water and in it; those that stood there before are gone."""
+        """Puts the boundaries around the water and in it; those that stood there before are gone.
+
+        `interfaces` are then those of the medium and of shut gates; `mixed` is the capacity of the columns whose
+        porosity varies or that hold solids.
+        """
         self.boundaries = Boundaries(self, boundaries)
         self.interfaces, self.mixed = self.medium.interfaces, Capacity.of(self.grid, self.medium)
         self.measure_capacity()
@@ -112,40 +128,45 @@ class Flow(Tank):
 
     @property
     def viscous(self) -> bool:
-        """Whether anything rubs, water or eddies."""
+        """True if the water has a viscosity, its own or that of eddies."""
         return self.viscosity > 0.0 or self.smagorinsky > 0.0
 
     @property
     def resists(self) -> bool:
-        """Whether anything resists the flow, bodies or sponges."""
+        """True if anything resists the flow: porous bodies, sponges or relaxation zones."""
         return self.porous or bool(self.boundaries.damping)
 
     @property
     def mobility(self) -> Faces:
-        """Factor of grad p in the projection [s]; empty where nothing resists: it is the time step."""
+        """Phi of (13), factor of grad p / rho in the projection, on faces [s]; empty without resistance: it is dt."""
         return self.work.mobility if self.resists else []
 
     @cached_property
     def smoothing(self) -> Smoothing:
-        """Sums over neighbouring particles, within two cells."""
+        """Sums over the neighbours of each particle, within two cells: the viscosity of the scheme jh2020."""
         walls = tuple("no-slip" if side else "slip" for side in self.no_slip)
         return Smoothing(self.grid, walls, REACH * max(self.grid.spacing))
 
     @property
-    def crossing(self) -> tuple[list[NDArray[np.int32]], FloatArray, Listed, Listed]:
-        """The medium as the core takes it for particles that cross from one porosity to another."""
+    def crossed_medium(self) -> tuple[list[NDArray[np.int32]], FloatArray, Listed, Listed]:
+        """The medium as the core takes it for particles that cross from one porosity to another.
+
+        These are `Medium.material`, `Medium.materials`, and the kinds "inertia" and "uniform".
+        """
         m = self.medium
         return m.material, m.materials, m.listed("inertia"), m.listed("uniform")
 
     @property
     def lag(self) -> Listed | None:
-        """1 - K/C_r of the cells as the core takes it; None if the added mass stands before all of Du/Dt everywhere."""
+        """1 - K/C_r of the cells as the core takes it; None where K = C_r everywhere, that is by default."""
         return self.medium.listed("lag") if "lag" in self.medium.kinds else None
 
     @cached_property
     def edges(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64], FloatArray, FloatArray]]:
-        """Faces of each axis that have another inertia than one beside them (K,), and those beside them (K, 2 d), flat;
-        then the inertia of the ones and of the others.
+        """Faces of each axis beside which another face of that axis has another inertia C_r / n.
+
+        One tuple per axis: flat numbers of these faces (K,) and of the faces beside each (K, 2 d), inertia of these
+        faces (K,) and of those beside them (K, 2 d) [-].
         """
         found = []
         for axis, faces in enumerate(self.medium.on_faces(0) if self.porous else []):
@@ -156,8 +177,9 @@ class Flow(Tank):
 
     @cached_property
     def heavy(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Faces of each axis (K,) beside a cell where K / n^2 is above `HEAVY`, and those beside them (K, 2 d), flat;
-        none where it nowhere is.
+        """Faces of each axis with a cell of heavy pores beside them, K / n^2 above `HEAVY`; no axes without such cells.
+
+        One pair per axis: flat numbers of these faces (K,) and of the faces of the axis beside each (K, 2 d).
         """
         found, energy = [], self.medium.energy if self.porous else np.ones(1)
         for axis, wraps in enumerate(self.grid.periodic if energy.max() > HEAVY else ()):
@@ -167,7 +189,10 @@ class Flow(Tank):
         return found
 
     def _beside(self, own: int) -> NDArray[np.int64]:
-        """The faces beside each one of an axis (faces, 2 d), along each axis before and after it, flat numbers."""
+        """Flat numbers (faces, 2 d) of the faces of an axis beside each: before and after it along every axis.
+
+        Behind a wall stands the face itself.
+        """
         shape, beside = self.grid.face_shape(own), []
         number = np.arange(math.prod(shape)).reshape(shape)
         for axis, wraps in enumerate(self.grid.periodic):
@@ -179,17 +204,19 @@ class Flow(Tank):
 
     @cached_property
     def at_interface(self) -> NDArray[np.bool_]:
-        """`Medium.at_interface`, once."""
+        """`Medium.at_interface`, computed once: cells (grid.shape) near a change of K / n^2."""
         return self.medium.at_interface
 
     @cached_property
     def around_interface(self) -> NDArray[np.uint8]:
-        """Those cells, and all that touch one."""
+        """The cells of `at_interface` and all that touch one (grid.shape), as the core takes them."""
         return np.ascontiguousarray(spread(self.at_interface, self.grid.periodic), np.uint8)
 
     def stand(self) -> bool:
-        """Finds anew what follows from where the boundaries stand. Returns whether a gate has moved: then the surface
-        beside it is another, and so are the faces that particles see.
+        """Finds anew what depends on the places of the boundaries. Returns whether a gate has moved.
+
+        Then the free surface beside the gate has to be found anew, and the medium to be sampled, as particles see
+        other faces.
         """
         moved = self.boundaries.stand()
         if moved:
@@ -197,7 +224,7 @@ class Flow(Tank):
         return moved
 
     def _part_at_gates(self) -> None:
-        """Interfaces, and what columns and tents beside the gates can hold, with the gates where they stand."""
+        """Finds what gates change where they stand: interfaces, and what columns and tents beside them can hold."""
         gates = self.boundaries.gates
         self.mixed = self.whole_mixed.between_gates(self.grid, self.medium, gates)
         self.interfaces = Interfaces.with_gates(self.grid, gates, self.medium.interfaces)
@@ -210,15 +237,16 @@ class Flow(Tank):
             self.inverse_capacity[beside] = self._inverse_capacity(around, gates)[beside]
 
     def measure_capacity(self) -> None:
-        """Volume of water in the tent of each cell when all pores are full, by the very sum that gives the fill.
+        """Measures W_c of (7): the water in the tent of each cell when all pores of the tank are full.
 
-        Summed over the particles of a flooded tank and not integrated: so the fill of water at rest is 1 to round-off
-        across interfaces of any slope, where a sum over particles differs from the integral by 1e-3.
+        It is the sum of the fill, over the particles of a flooded tank, and not an integral. So the fill of water at
+        rest is 1 to round-off across interfaces of any slope, where sum and integral differ by 1e-3. On return
+        `inverse_capacity` holds 1 / W_c.
         """
         self.inverse_capacity[...] = self._inverse_capacity(Box((0.0,) * self.grid.dimension, self.grid.size))
 
     def _inverse_capacity(self, box: Box, gates: FloatArray | None = None) -> FloatArray:
-        """1 / what the tents hold of the water in a box between gates, None: there are none [1/m^d]."""
+        """1 / W_c [1/m^d] where the pores of a box are full; 0 for tents that hold nearly nothing. gates: (K, 2)."""
         core, start = self.grid.core, np.zeros_like(self.start)
         capacity, part, inverse = self.grid.cells(), self.grid.cells(), self.grid.cells()
         for flood in seed_slabs(self.grid, self.medium, [box]):
@@ -231,13 +259,13 @@ class Flow(Tank):
         return inverse
 
     def listed(self, name: str) -> Listed | None:
-        """One of the kinds of the medium as the core takes it; None in clear water, where it is one."""
+        """One of `Medium.kinds` as the core takes it; None without porous bodies, where it is 1 everywhere."""
         return self.medium.listed(name) if self.porous else None
 
     # ---- arrays per particle -------------------------------------------------------------------------------------
 
     def _declare_columns(self) -> None:
-        """What the flow keeps at each particle of the medium where it is."""
+        """Declares the columns in which the flow keeps, for each particle, the medium at its place."""
         unread = float("nan")
         if self.porous:
             inertia = Column("inertia", "place", (self.grid.dimension,), unread, np.float32)
@@ -262,40 +290,41 @@ class Flow(Tank):
 
     @property
     def porosity(self) -> FloatArray:
-        """At the particles (N,)."""
+        """Porosity at the particles (N,) [-]."""
         return self.particles.volume / self.bulk if self.porous else np.broadcast_to(1.0, len(self.particles))
 
     @property
     def cloud(self) -> tuple[Core, str, FloatArray, FloatArray | None, FloatArray, NDArray[np.int32]]:
-        """The particles as the core takes them in a transfer."""
+        """The grid, the kernel and the particles as the core takes them in a transfer."""
         return self.grid.core, self.kernel, self.particles.position, self.side, self.bulk, self.start
 
     def interpolate(self, faces: Faces, out: FloatArray) -> None:
-        """Sets out (N, d) to a field on the faces where the particles are, as they see velocities."""
+        """Interpolates a field on the faces to the particles, with the weights of velocities; sets out (N, d)."""
         _core.to_particles(*self.cloud, faces, [], [], 0.0, out, self.interfaces)
 
     def drop_work(self) -> None:
-        """Gives the memory of the work space back, of a large flow only: to get it again takes time."""
+        """Gives the memory of the work space of a large flow back. A small flow keeps it: to get it anew takes time."""
         if len(self.particles) > LARGE:
             self.work = Workspace(self.grid, len(self.particles))
             _core.return_memory()
 
     def sample_medium(self) -> None:
-        """Reads the columns of the place: bulk volume, inertia and side at the present positions."""
+        """Sets the columns of the place, bulk volume, inertia and side, for the present positions of the particles."""
         p, core = self.particles, self.grid.core
         if self.porous:
             pores = self.medium.listed("particle_porosity")
             particles = (p.position, p.volume, self.bulk, p["inertia"])
-            _core.sample_medium(core, *self.crossing, pores, *particles, self.interfaces)
+            _core.sample_medium(core, *self.crossed_medium, pores, *particles, self.interfaces)
         self._find_sides()
 
     def carry(self, dt: float, ago: FloatArray | None) -> None:
-        """The same after a motion of dt [s]; and particles that nothing holds keep the energy that they had.
+        """Does what `sample_medium` does after a motion of dt [s], and corrects velocities for the change of medium.
 
-        ago: (N,) K/C_r where they were; None where it is 1 everywhere.
+        A particle that no pressure holds keeps its kinetic energy, (14a); the velocity turns where C_r changes, (4a).
+        ago: K/C_r (N,) where the particles were before; None where it is 1 everywhere.
         """
         p, m = self.particles, self.medium
-        medium = (*self.crossing, self.held, m.listed("particle_porosity"), m.listed("coefficient"))
+        medium = (*self.crossed_medium, self.held, m.listed("particle_porosity"), m.listed("coefficient"))
         state = (p.position, p.volume, self.bulk, p["inertia"], p.velocity)
         _core.carry(self.grid.core, *medium, dt, *state, self.lag, ago, self.interfaces)
         self._find_sides()
@@ -304,20 +333,23 @@ class Flow(Tank):
         if self.side is not None:
             self.side[...] = self.bulk ** (1.0 / self.grid.dimension)
 
-    def snapshot(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Copies of position, velocity and porosity of the particles."""
+    def copied_particles(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Copies of position (N, d) [m], Darcy velocity (N, d) [m/s] and porosity (N,) [-] of the particles."""
         return self.particles.position.copy(), self.particles.velocity.copy(), np.array(self.porosity)
 
     # ---- derived -------------------------------------------------------------------------------------------------
 
     def kinetic_energy(self) -> float:
+        """Kinetic energy of the particles per density, 1/2 sum B (C_r/n) u_d^2 [m^d m2/s2]."""
         return _core.kinetic_energy(self.bulk, self.inertia, self.particles.velocity)
 
     def grid_kinetic_energy(self) -> float:
+        """Kinetic energy of the faces per density, with the bulk volumes that the transfer gave them [m^d m2/s2]."""
         m = self.medium
         return _core.face_kinetic_energy(self.grid.core, self.work.face_mass, m.material, m.materials, self.velocity)
 
     def potential_energy(self) -> float:
+        """Potential energy of the particles per density, -sum V g.x [m^d m2/s2]; periodic axes do not count."""
         d = self.grid.dimension
         return -sum(
             g * _core.weighted_sum(self.particles.volume, self.particles.position, a)
@@ -326,7 +358,7 @@ class Flow(Tank):
         )
 
     def passing(self, axis: int) -> FloatArray:
-        """Darcy velocity on the faces of an axis, the mean of both media where two share one [m/s]."""
+        """Darcy velocity on the faces of an axis [m/s]; where two media share a face, the mean over both."""
         u = self.velocity[axis]
         if self.medium.shared and len(self.medium.shared[axis].face):
             faces, u = self.medium.shared[axis], u.copy()
@@ -334,18 +366,18 @@ class Flow(Tank):
         return u
 
     def pore_velocity(self) -> FloatArray:
-        """u_d / n of the particles (N, d) [m/s]."""
+        """Pore velocity u_d / n of the particles (N, d) [m/s]."""
         return self.particles.velocity / self.porosity[:, None]
 
     def courant(self, dt: float) -> float:
-        """Cells that the fastest particle goes in dt [s]."""
+        """Courant number: cells that the fastest particle crosses in dt [s], the largest along one axis [-]."""
         return self.crossed(self.max_pore_speed()) * dt
 
     def crossed(self, speed: list[float]) -> float:
-        """Cells crossed in a second at this speed along each axis [m/s]."""
+        """Cells crossed per second at these speeds along the axes [m/s], the largest of the axes [1/s]."""
         return max(v / h for v, h in zip(speed, self.grid.spacing, strict=True))
 
     def max_pore_speed(self) -> list[float]:
-        """Largest |u_d| / n of the particles along each axis [m/s]; NaN where one is."""
+        """Largest |u_d| / n of the particles along each axis [m/s]; NaN where one of them is NaN."""
         p = self.particles
         return _core.max_speed(p.velocity, p.volume, self.bulk)

@@ -1,7 +1,8 @@
-"""The algorithm: one time step, each line one operation of the core, numbered as in the paper (JH2020).
+"""The algorithm: one time step, each line one operation of the core.
 
-The equations are the paper's, corrected (docs/theory.md): drag implicit and inside the projection, particles move with
-the pore velocity u_d / n, the free surface is where the water is and not where the cells are.
+Numbers in brackets are equations of the paper (JH2020: Ramos Ortega, Beaudoin & Huberson 2020). They are solved as
+docs/theory.md corrects them, section 12: the drag is implicit and inside the projection, particles move with the pore
+velocity u_d / n, and p = 0 on the free surface itself, which may lie anywhere in a cell.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from houle.flow.component import Component
 from houle.flow.correction import correct_positions
 from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, viscosity
 from houle.flow.ledger import Ledger
-from houle.flow.motion import arrive, drift, exchange, move, move_walls, settle
+from houle.flow.motion import arrive, drift, exchange, limit_energy, move, move_walls
 from houle.flow.projection import project
 from houle.flow.remeshing_schedule import RemeshingSchedule
 from houle.flow.state import Flow
@@ -24,55 +25,60 @@ from houle.flow.transfer import Transfer
 
 @dataclass
 class Step(Component):
-    """The default scheme, "houle": everything between the particles on the grid, second order in time.
+    """The default scheme, "houle": all forces act on the faces of the grid; second order in time.
 
-    Velocities live at the middles of the steps, positions at their ends (leapfrog): what forces and pressure at the
-    positions of now change is the velocity from the middle of the last step to the middle of this one.
+    Velocities belong to the middles of the steps, positions to their ends (leapfrog, docs/decisions/0008). The forces
+    at the present positions therefore act from the middle of the last step to the middle of this one.
+
+    correction    `numerics.correction`, see `correct_positions` [-]
+    velocity_lag  share of a step by which the velocities are older than the positions when a step is done
+    pressure_lag  the same of the pressure
     """
 
     transfer: Transfer
     correction: float
     remeshing: RemeshingSchedule
-    velocity_lag: ClassVar[float] = 0.5  # of a step, behind the positions
+    velocity_lag: ClassVar[float] = 0.5
     pressure_lag: ClassVar[float] = 1.0
 
     def parts(self) -> Mapping[str, Component]:
         return {"remeshing": self.remeshing}
 
     def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
-        """One step of dt [s] that has begun, from an arranged flow to an arranged flow."""
-        kick = flow.kick_of(dt)  # from middle to middle
+        """Advances an arranged flow, for which `motion.begin` was called, by dt [s]. On return it is arranged again."""
+        kick = flow.kick_of(dt)  # time over which the forces act, from middle to middle of two steps
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
         with ledger.operation("forces"):
             acceleration = viscosity(flow, kick, ledger)  # (3), on the grid
-            drive(flow, dt)  # what flows through open sides
+            drive(flow, dt)  # velocities at open sides
             acceleration = make_waves(flow, acceleration)  # (4), (5)
             apply_forces(flow, kick, acceleration)  # (13), drag and Bernoulli term implicit
         with ledger.operation("projection"):
             project(flow, kick, ledger)  # (15), (16)
         with ledger.operation("transfer"):
-            linear = self.transfer.to_particles(flow)
-            settle(flow)
+            interpolated = self.transfer.to_particles(flow)
+            limit_energy(flow)  # beside porous interfaces, particles have no more energy than the grid
         with ledger.operation("advection"):
             move_walls(flow)
-            move(flow, dt, linear)  # (17), with u_d / n
+            move(flow, dt, interpolated)  # (17), with u_d / n
         with ledger.operation("exchange"):
-            exchange(flow, dt)  # water that comes in and goes out
+            exchange(flow, dt)  # particles enter and leave through open sides
         with ledger.operation("correction"):
             correct_positions(flow, self.correction, dt, ledger)  # (14) kept at 1, on the grid
         with ledger.operation("remeshing"):
             self.remeshing.after_step(flow, self.transfer, dt)  # (6), (7)
         with ledger.clock("surface"):
-            arrange(flow)  # which cells hold water, where the surface cuts the grid
+            arrange(flow)  # sorted particles, the cells under water, the free surface
 
 
 @dataclass
 class PaperStep(Component):
-    """The paper's own sequence (12)-(17), "jh2020", with the corrections of docs/theory.md.
+    """The paper's own sequence (12)-(17), "jh2020", with the corrections of docs/theory.md, section 12.
 
-    Particles move to r* first, meet the grid there, and go from r to the end of the step with the mean of the old and
-    the new velocity.
+    Particles first move from r to r*, exchange velocities with the grid there, and then go from r to the end of the
+    step with the mean of the old and the new velocity. Positions, velocities and pressure belong to the same instant.
+    The attributes are those of `Step`.
     """
 
     transfer: Transfer
@@ -85,10 +91,10 @@ class PaperStep(Component):
         return {"remeshing": self.remeshing}
 
     def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
-        """One step of dt [s], whatever the last one was, from an arranged flow to an arranged flow."""
+        """Advances an arranged flow by dt [s]; the length of the last step does not matter. It is arranged again."""
         with ledger.operation("advection"):
             move_walls(flow)
-            start, velocity, porosity = flow.snapshot()
+            start, velocity, porosity = flow.copied_particles()
             drift(flow, start, velocity, porosity, dt)  # (12): r* = r + dt u_d / n
         with ledger.clock("surface"):
             start, velocity, porosity = sort(flow, start, velocity, porosity)
@@ -105,7 +111,7 @@ class PaperStep(Component):
             project(flow, dt, ledger)  # (15), (16)
         with ledger.operation("transfer"):
             self.transfer.to_particles(flow)
-            settle(flow)
+            limit_energy(flow)
         with ledger.operation("advection"):
             mean = 0.5 * (velocity / porosity[:, None] + flow.pore_velocity())
             arrive(flow, start, mean, dt)  # (17): r + dt (u + u')/2 / n

@@ -1,4 +1,7 @@
-"""Where the water is: particles in the order of their cells, fill, depth below the free surface, cells under water."""
+"""The place of the water: sorts the particles by cell and finds fill, free surface and cells under water.
+
+Section 4 of docs/theory.md; the equations are in core/houle/water/surface.hpp and columns.hpp.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,14 @@ from houle.errors import SimulationError
 from houle.flow.state import Flow
 from houle.grid import FloatArray
 
-MOST_CONTRAST = 30.0  # of C_r/n^2 at an interface that the Bernoulli force carries water across
+MOST_CONTRAST = 30.0  # ratio of C_r/n^2 at an interface up to which the Bernoulli force acts on faces (section 6)
 
 
 def sort(flow: Flow, *more: FloatArray) -> tuple[FloatArray, ...]:
-    """Particles in the order of their cells: neighbours in space are neighbours in memory. Sorts `more` along."""
+    """Sorts the particles by cell, so that neighbours in space are neighbours in memory, and samples the medium there.
+
+    Returns the arrays `more` (N, ...), which have a row per particle, in the new order.
+    """
     work = flow.work
     work.resize(len(flow.particles))
     try:
@@ -27,16 +33,19 @@ def sort(flow: Flow, *more: FloatArray) -> tuple[FloatArray, ...]:
 
 
 def arrange(flow: Flow) -> None:
-    """Particles sorted, medium sampled where they are, surface found: what a step starts from and leaves."""
+    """Arranges the flow: sorts the particles, samples the medium at them, finds the free surface.
+
+    A step starts from an arranged flow and leaves one.
+    """
     sort(flow)
     flow.fastest = flow.max_pore_speed()
     find_surface(flow)
 
 
 def find_surface(flow: Flow) -> None:
-    """Fill fraction of the pores of every cell; depth below the free surface; cells under water.
+    """Finds the fill (7) of every cell, the levels of the columns (9), the depths (8) and the cells under water.
 
-    Valid for particles moved by up to two cells since they were sorted.
+    Particles may have moved by up to two cells since they were sorted.
     """
     core, position, mixed = flow.grid.core, flow.particles.position, flow.mixed
     volume, walls, gates = flow.particles.volume, flow.boundaries.walls, flow.boundaries.gates

@@ -1,8 +1,9 @@
 """Transfers between particles and grid: the velocities of the particles become those of the faces, and back.
 
-The mass of a particle in a transfer is its bulk volume V/n: so what is conserved is the sum of V/n u_d = V u, momentum
-per density. To add a transfer copy the shortest class, change its two methods and its row, and add it to
-`TRANSFERS` at the bottom. What it keeps for each particle besides the velocity it names in `columns` (particles.py).
+The mass of a particle in a transfer is its bulk volume V/n, so that a transfer conserves the sum of V/n u_d = V u, the
+momentum per density: section 5 of docs/theory.md. To add a transfer copy the shortest class, change its two methods and
+its row, and add it to `TRANSFERS` at the bottom. Quantities that it keeps for each particle besides the velocity are
+named in its `columns` (particles.py).
 
 References: Brackbill & Ruppel 1986, J. Comput. Phys. 65, 314; Zhu & Bridson 2005, ACM Trans. Graph. 24, 965; Jiang,
 Schroeder, Selle, Teran & Stomakhin 2015, ACM Trans. Graph. 34, 51; Maljaars, Labeur & Moeller 2018, J. Comput. Phys.
@@ -24,7 +25,7 @@ from houle.registry import Choices
 
 
 class Transfer:
-    """What every transfer does, and what it is called: `name` in the case file, `what` and `source` for the reader."""
+    """Base of the transfers. `name` is that in the case file; `what`, `source` and `range` are for `houle describe`."""
 
     name: ClassVar[str]
     what: ClassVar[str]
@@ -33,25 +34,26 @@ class Transfer:
 
     @classmethod
     def of(cls, *, order: int, flip: float) -> Transfer:
-        """The transfer with the numbers of a case, of which it takes those that it knows."""
+        """The transfer with those numbers of [numerics] that it needs: number of terms, share of FLIP [-]."""
         return cls()
 
     def columns(self, dimension: int) -> tuple[Column, ...]:
-        """What is kept for each particle besides its velocity: here nothing."""
+        """Declarations of what it keeps for each particle besides the velocity: nothing, unless it overrides this."""
         return ()
 
     def to_grid(self, flow: Flow) -> None:
-        """Sets flow.velocity and flow.work.face_mass from the particles, which must be sorted."""
+        """Sets flow.velocity [m/s] and flow.work.face_mass [m^d] from the particles, which must be sorted by cell."""
         raise NotImplementedError
 
     def to_particles(self, flow: Flow) -> bool:
-        """Sets the velocities of the particles from flow.velocity, at the positions of `to_grid`. Returns whether they
-        are now what the linear kernel interpolates there.
+        """Sets the velocities of the particles from flow.velocity, at the positions that `to_grid` saw.
+
+        Returns whether they are now exactly the velocities that the linear kernel interpolates there.
         """
         raise NotImplementedError
 
     def renew(self, flow: Flow) -> None:
-        """Fills the columns that are made from the grid, after other particles were put in the place of the old."""
+        """Fills the columns that are made from the grid for new particles, after a remeshing."""
 
 
 class Pic(Transfer):
@@ -67,18 +69,18 @@ class Pic(Transfer):
         _core.to_faces(*flow.cloud, flow.particles.velocity, None, *faces, flow.interfaces)
 
     def to_particles(self, flow: Flow) -> bool:
-        """Interpolates the velocity of the grid."""
+        """Sets the velocity of each particle to that of the grid at its place."""
         flow.interpolate(flow.velocity, flow.particles.velocity)
         return flow.kernel == "linear"
 
 
 class Fmpm(Pic):
-    """PIC with the full mass matrix, inverted to `order` terms: FMPM(k) of Nairn & Hammerquist (2021).
+    """PIC with the full mass matrix, inverted to `order` terms: FMPM(k) of Nairn & Hammerquist (2021), (10).
 
-    The velocities of the faces are those whose interpolation is nearest to the velocities of the particles, in the norm
-    of kinetic energy. A term more filters less: order 1 is PIC, many terms approach the conservative l2 projection
-    (Maljaars et al. 2018). The transfer neither adds kinetic energy nor keeps, as FLIP does, velocities that the grid
-    cannot see.
+    In the limit of many terms the velocities of the faces are those whose interpolation is nearest to the velocities of
+    the particles, in the norm of kinetic energy: the conservative l2 projection (Maljaars et al. 2018). One term is
+    PIC; each further term filters less. The transfer adds no kinetic energy, and it does not keep velocities that the
+    grid cannot see, as FLIP does.
     """
 
     name = "fmpm"
@@ -95,13 +97,13 @@ class Fmpm(Pic):
 
     @classmethod
     def of(cls, *, order: int, flip: float) -> Fmpm:
-        """The transfer with that number of terms."""
+        """The transfer with `order` terms."""
         return cls(order)
 
     def to_grid(self, flow: Flow) -> None:
-        """Sets the velocity of the faces to the sum of `order` terms: by the matrix itself for the linear kernel.
+        """Sets the velocity of the faces to the sum of `order` terms.
 
-        For the other kernels each term is a pass over the particles.
+        For the linear kernel the core holds the matrix; for the others each term is a pass over the particles.
         """
         p, work = flow.particles, flow.work
         if flow.kernel == "linear":
@@ -115,9 +117,9 @@ class Fmpm(Pic):
 
 
 class Flip(Pic):
-    """Particles keep their velocity and take the change of the grid's (FLIP), blended with PIC.
+    """Particles keep their velocity and add the change of the velocity of the grid (FLIP), blended with PIC.
 
-    share: that of FLIP in the blend [-].
+    share: part of FLIP in the blend; the rest is PIC [-].
     """
 
     name = "flip"
@@ -129,23 +131,23 @@ class Flip(Pic):
 
     @classmethod
     def of(cls, *, order: int, flip: float) -> Flip:
-        """The transfer with that share of FLIP."""
+        """The transfer with the share `flip` of FLIP."""
         return cls(flip)
 
     def to_grid(self, flow: Flow) -> None:
-        """Sets the velocity of the faces as PIC does, and asks the forces for the factor of the drag on each face."""
+        """Sets the velocity of the faces as PIC does, and makes room for the factor of the drag, flow.drag."""
         flow.drag = flow.drag or flow.grid.faces(1.0)
         super().to_grid(flow)
 
     def to_particles(self, flow: Flow) -> bool:
-        """Adds what forces and pressure changed; what a particle had is reduced by the drag where it is."""
+        """Scales the velocity of each particle by the drag factor at its place, and adds `velocity_change` there."""
         faces = (flow.velocity, velocity_change(flow), flow.drag)
         _core.to_particles(*flow.cloud, *faces, self.share, flow.particles.velocity, flow.interfaces)
         return False
 
 
 def velocity_change(flow: Flow) -> Faces:
-    """What forces and pressure added to the velocity of each face, new - drag * old [m/s].
+    """Velocity that forces and pressure added on each face, new - D old with the drag factor D of (12) [m/s].
 
     It is carried outwards as far as particles under a flat surface see it: one layer of faces with the linear kernel,
     two with the others.
@@ -168,22 +170,22 @@ class Apic(Pic):
     source = "Jiang, Schroeder, Selle, Teran & Stomakhin (2015), ACM Trans. Graph. 34"
 
     def columns(self, dimension: int) -> tuple[Column, ...]:
-        """The velocity gradient, made from the grid in each step."""
+        """The column of the velocity gradient, which is made from the grid in each step."""
         return (Column("affine", "grid", (dimension, dimension)),)
 
     def to_grid(self, flow: Flow) -> None:
-        """Sets the velocity of a face to the mean of what the particles around it have there, by mass and kernel."""
+        """Sets the velocity of a face to the mean of the velocities that the particles around extrapolate to it."""
         p, faces = flow.particles, (flow.velocity, flow.work.face_mass)
         _core.to_faces(*flow.cloud, p.velocity, p["affine"], *faces, flow.interfaces)
 
     def to_particles(self, flow: Flow) -> bool:
-        """Interpolates the velocity of the grid and its gradient."""
+        """Sets velocity and velocity gradient of each particle to those of the grid at its place."""
         linear = super().to_particles(flow)
         self.renew(flow)
         return linear
 
     def renew(self, flow: Flow) -> None:
-        """Takes the velocity gradient of the grid where the particles are: without it remeshing would be PIC."""
+        """Takes the velocity gradient of the grid at the particles; without it a remeshing would act as PIC does."""
         _core.affine_from(*flow.cloud, flow.velocity, flow.particles["affine"], flow.interfaces)
 
 

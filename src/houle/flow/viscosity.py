@@ -26,15 +26,15 @@ from numpy.typing import NDArray
 from houle import _core
 from houle.grid import FloatArray, Grid
 
-KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}  # integral of -W'(r)/r, times radius^2: `time_step_limit`
+KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}  # radius^2 times the integral of -W'(r)/r (time_step_limit)
 REACH = 2.0  # grid spacings within which the sums between particles see neighbours
 
 
-def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bool) -> float:
+def longest_step(grid: Grid, viscosity: float, between_particles: bool, no_slip: bool) -> float:
     """Longest stable step [s] of the explicit viscous term with a viscosity [m2/s]; inf without viscosity.
 
     between_particles  whether the term is a sum over particles, or one on the faces of the grid
-    held               whether the tank has a no-slip wall
+    no_slip            whether the tank has a no-slip wall
 
     On faces nu lap(u) has eigenvalues up to 4 nu sum 1/h^2, and twice that is allowed for; a no-slip wall takes the
     velocity of a sheet of thickness s at the rate 2 nu / s^2. The law of the wall asks for no shorter steps than the
@@ -44,7 +44,7 @@ def longest_step(grid: Grid, viscosity: float, between_particles: bool, held: bo
     if between_particles:
         return Smoothing(grid, (), REACH * max(grid.spacing)).time_step_limit(viscosity)
     spectrum = 8 * viscosity * sum(1 / h**2 for h in grid.spacing)
-    if held:
+    if no_slip:
         spectrum += 2 * viscosity / (_core.thinnest_sheet * min(grid.spacing)) ** 2
     return 2 / spectrum if spectrum > 0 else np.inf
 
@@ -138,5 +138,5 @@ class Smoothing:
 
 
 def _as_core(cell_start: NDArray) -> NDArray[np.int32]:
-    """The first particles of the cells in the type of the core; nothing is copied if they have it already."""
+    """The numbers of the first particles of the cells as int32; nothing is copied if they are that already."""
     return np.ascontiguousarray(cell_start, np.int32)

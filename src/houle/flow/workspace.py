@@ -1,6 +1,6 @@
 """Arrays that a time step needs only while it lasts.
 
-Each is made when it is first asked for. Nothing in them is meant for the next step: remeshing, which needs memory of
+Each is made when it is first asked for. The next step needs nothing of their contents. Remeshing, which needs memory of
 its own, drops them all where the flow is large, and the next step makes them anew.
 """
 
@@ -17,13 +17,13 @@ from houle.grid import Faces, FloatArray, Grid
 
 
 class Workspace:
-    """For `particles` particles on a grid."""
+    """The work space of a flow with this number of particles on a grid."""
 
     def __init__(self, grid: Grid, particles: int) -> None:
         self.grid, self.particles = grid, particles
 
     def resize(self, particles: int) -> None:
-        """For another number of particles: what is on the grid only stays."""
+        """Fits the arrays to another number of particles; those on the grid alone stay."""
         if particles == self.particles:
             return
         self.particles = particles
@@ -39,7 +39,7 @@ class Workspace:
 
     @cached_property
     def store(self) -> FloatArray:
-        """One place for what is wanted while particles are sorted, in a transfer, and while there is a pressure."""
+        """Memory that sorting, the transfer and the pressure system use one after the other."""
         return np.zeros(self._stored_numbers)
 
     def _stored(self, *shapes: tuple[int, ...]) -> list[FloatArray]:
@@ -51,12 +51,12 @@ class Workspace:
 
     @cached_property
     def spare(self) -> FloatArray:
-        """(N, d), where the rows of an array go when they are sorted. Sorting overwrites the system below."""
+        """Space (N, d) for the rows of an array that is sorted. Sorting overwrites the pressure system in the store."""
         return self._stored((self.particles, self.grid.dimension))[0]
 
     @cached_property
     def order(self) -> np.ndarray:
-        """Order of the particles when they are sorted (N,), in the store behind the spare rows."""
+        """Order (N,) in which the particles are sorted, in the store behind the spare rows."""
         n = self.particles
         return self._stored((n, self.grid.dimension), ((n + 1) // 2,))[1].view(np.int32)[:n]
 
@@ -67,49 +67,50 @@ class Workspace:
 
     @property
     def coefficient(self) -> Faces:
-        """Coefficients of a pressure system between cells."""
+        """Coefficients of a pressure system between cells, on faces, eq. (17)."""
         return self._system[:-2]
 
     @property
     def dirichlet(self) -> FloatArray:
-        """Coefficients of the cells beside air in a pressure system."""
+        """Coefficients of a pressure system towards the surface, p = 0, in the cells beside air."""
         return self._system[-2]
 
     @property
     def rhs(self) -> FloatArray:
-        """Right-hand side of a pressure system."""
+        """Right-hand side of a pressure system in the cells, [1/s] for the pressure and [-] for the correction."""
         return self._system[-1]
 
     def set_up(self, active: np.ndarray) -> tuple[Faces, FloatArray]:
-        """Hands the coefficients of a pressure system to the solver, which copies them. Returns their arrays, on faces
-        and on cells, which are free from then on.
+        """Hands the coefficients of a pressure system to the solver, which copies them.
+
+        Returns the arrays that held them, one per axis on faces and one on cells, which are then free for other use.
         """
         self.solver.setup(active, self.coefficient, self.dirichlet)
         return self.coefficient, self.dirichlet
 
     @cached_property
     def face_mass(self) -> Faces:
-        """Bulk volume that each face carries [m^d]."""
+        """Mass of the transfer (10) on each face: bulk volume of the particles around, by kernel weight [m^d]."""
         return self.grid.faces()
 
     @cached_property
     def mobility(self) -> Faces:
-        """`Flow.mobility`."""
+        """Arrays of `Flow.mobility` [s]."""
         return self.grid.faces()
 
     @cached_property
     def valid(self) -> list[np.ndarray]:
-        """Whether the velocity of a face is known, and from which layer (uint8)."""
+        """Layer of each face (uint8): 1 where the pressure or a wall gives its velocity, then 2, 3, ...; 0: unknown."""
         return [np.zeros(self.grid.face_shape(a), np.uint8) for a in range(self.grid.dimension)]
 
     @cached_property
     def solver(self) -> _core.PressureSolver2 | _core.PressureSolver3:
-        """The solver of the pressure and of the position correction."""
+        """The solver of the pressure system and of that of the position correction."""
         core = self.grid.core
         return _core.PressureSolver2(core) if isinstance(core, _core.Grid2) else _core.PressureSolver3(core)
 
     @cached_property
     def mass_matrix(self) -> _core.MassMatrix2 | _core.MassMatrix3:
-        """The matrix of the full-mass-matrix transfer."""
+        """The matrix of the transfer "fmpm" with the linear kernel."""
         core = self.grid.core
         return _core.MassMatrix2(core) if isinstance(core, _core.Grid2) else _core.MassMatrix3(core)

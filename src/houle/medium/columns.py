@@ -1,14 +1,16 @@
-"""Storage of water in columns of cells up to any level.
+"""Columns of cells: the water that they can hold up to any level, and the level of the water that they hold.
 
-`Capacity` is exact, for the columns where the porosity changes or solids stand, and gives levels from water. `Storage`
-has all columns, cell by cell, and gives mean level and potential energy; in columns of one porosity it is exact too.
+`Capacity` is exact. It is for columns in which the porosity changes or solids stand, and gives the level from the
+water. `Storage` has all columns, cell by cell, and gives mean level and potential energy from the levels; in columns of
+one porosity it is exact too.
 
-The water of a column is W = sum_p V_p T(x_p - x_c), with the tent T across (linear, two cells wide, folded at walls).
-Particles at the centroids of the water of their half cells give it exactly, as T is linear over each half cell. What
-the column holds up to the level z is the integral of A(z) = integral of n T over the section at z, n the porosity, 0 in
-solids. Between the heights where a corner of a shape lies, or where an edge crosses a kink of T, A is a parabola: so
-the inverse, level from water, is exact too, and water at rest has one level, whatever slopes cross it. In 3D the term
-in x y is left where an upright edge stands inside a half cell: a few thousandths of a cell.
+The water of a column is W = sum_p V_p T(x_p - x_c), where T is the tent in the horizontal (linear, two cells wide,
+folded at walls): section 4 of docs/theory.md. Particles at the centroids of the water of their half cells give it
+exactly, as T is linear over each half cell. Up to the level z the column can hold the integral of A(z), where A is the
+integral of n T over the horizontal section at z, and n the porosity, 0 in solids. A is a parabola between any two of
+the heights at which a corner of a shape lies or an edge crosses a kink of T. So the inverse, level from water, is exact
+too, and water at rest has one level, whatever slopes cross it. In 3D an error of the term in x y is left where an
+upright edge stands inside a half cell: a few thousandths of a cell.
 """
 
 from __future__ import annotations
@@ -28,21 +30,23 @@ from houle.medium.medium import Medium
 from houle.medium.sections import partition
 
 NEAR = 1e-10  # [cells] heights nearer to each other are one
-NOTHING = 1e-12  # of a column's section: less is closed
-REACH = 2  # columns: the spline of column_heights sees one and a half, its sum is divided by the porosity of one
-SAMPLES = np.array([1.0, 3.0, 5.0]) / 6.0  # of a piece: three points that give its parabola, inside of any steps
+NOTHING = 1e-12  # share of the section of a column: less open area is closed
+REACH = 2  # columns around a uniform one that are alike: `column_heights` sums over one and a half on each side
+SAMPLES = np.array([1.0, 3.0, 5.0]) / 6.0  # places in a piece, from 0 to 1, at which A gives the parabola
 
-Region = tuple[float, FloatArray]  # what it adds to the porosity, its edges (E, 2, 2) [cells]
-Tents = list[tuple[float, "_Tent"]]
+Region = tuple[float, FloatArray]  # change of the porosity in it, its edges (E, 2, 2) [cells]
+Tents = list[tuple[float, "_Tent"]]  # pairs (height from which on it holds [cells], tent)
 
 
 @dataclass(frozen=True)
 class Capacity:
-    """Pieces of the capacity of columns, one column after the other, from the bottom to the top of the tank.
+    """Water that columns can hold up to any level, in pieces from the bottom to the top, one column after the other.
 
-    column (M,): flat numbers of the columns; start (M + 1,): piece start[i] is the first of column[i].
-    pieces (P, 5): z and capacity below it [cells], and a, b, c of A = a + b s + c s^2 with s from 0 to 1 over the
-    piece, as a share of the plan area of a cell. The last piece of a column only tells where it ends.
+    column  (M,) flat numbers of the columns
+    start   (M + 1,) number of the first piece of each column
+    pieces  (P, 5) lower end z of the piece and capacity of the column below it [cells]; then a, b, c of
+            A = a + b s + c s^2, as a share of the plan area of a cell, with s from 0 to 1 over the piece. The last
+            piece of a column only tells where it ends.
     """
 
     column: NDArray[np.int64]
@@ -51,7 +55,7 @@ class Capacity:
 
     @classmethod
     def of(cls, grid: Grid, medium: Medium) -> Capacity:
-        """The capacity of all columns that are not uniform."""
+        """The capacity of all columns of a tank that are not uniform (`uniform_columns`)."""
         return cls._joined(_columns(grid, medium, range(grid.shape[0]), ()))
 
     @classmethod
@@ -65,7 +69,7 @@ class Capacity:
         )
 
     def between_gates(self, grid: Grid, medium: Medium, gates: FloatArray) -> Capacity:
-        """The capacity where gates (K, 2) stand, x [m] and lower edge [m]: tents beside them are folded at the gate."""
+        """This capacity with gates (K, 2), x and lower edge [m]: the tents of the columns beside them are folded."""
         faces = {round(x / grid.spacing[0]) for x, _ in gates}
         pieces = _columns(grid, medium, sorted(faces | {face - 1 for face in faces}), gates)
         if not pieces:
@@ -76,17 +80,20 @@ class Capacity:
 
 @dataclass(frozen=True)
 class Storage:
-    """Water and its height that each column stores up to a level, by the mean open porosity of its cells.
+    """Water in all columns up to a level, and its first moment in z, by the mean open porosity of their cells.
 
-    Both are exact up to the faces of cells, and between them where the porosity of the cell is one. Inside a cell that
-    an interface crosses they are linear, and `Capacity` is exact.
+    Both are exact up to the faces of cells, and between faces where the cell has one porosity. Inside a cell that an
+    interface crosses they take the water as evenly spread over z; there only `Capacity` is exact.
 
-    share (columns, nz) is the porosity times the open share of each cell. below (columns, nz + 1) is its integral over
-    z from the floor to the faces z_k [m], moment (columns, nz + 1) that of z times it [m2].
+    spacing  height of the cells [m]
+    plan     plan area of a column [m^(d-1)]
+    share    (columns, nz) porosity times open share of each cell [-]
+    below    (columns, nz + 1) integral of share over z from the floor to the faces between cells [m]
+    moment   (columns, nz + 1) integral of z times share [m2]
     """
 
-    spacing: float  # upwards [m]
-    plan: float  # area of a column [m^(d-1)]
+    spacing: float
+    plan: float
     share: FloatArray
     below: FloatArray
     moment: FloatArray
@@ -105,10 +112,12 @@ class Storage:
         along: FloatArray | None = None,
         known: tuple[NDArray[np.bool_], FloatArray] | None = None,
     ) -> float:
-        """Water below the levels eta (columns) [m], NaN where dry, over the plan area [m].
+        """Volume of the water below the levels eta (columns) [m], over the plan area of the tank [m].
 
-        along is the share of each column that counts, between moving walls; None counts all. known names the columns
-        that count by water already known instead of by their level, and that water over their area [m].
+        eta    NaN where dry
+        along  share of each column that counts, between moving walls; None: all of each
+        known  mask of columns whose water is known already, and the water of these over their area [m], which
+               replaces that below their level
         """
         water = np.zeros(eta.size)
         wet, cell, z = self._top(eta)
@@ -118,13 +127,13 @@ class Storage:
         return float(np.mean(water) if along is None else np.sum(water * along.ravel()) / np.sum(along))
 
     def height_moment(self, eta: FloatArray, along: FloatArray | None = None) -> float:
-        """Integral of z over the water below the levels eta [m^(d+1)]: its energy over density and gravity."""
+        """Integral of z over the water below the levels eta [m^(d+1)]: potential energy over density and gravity."""
         wet, cell, z = self._top(eta)
         moment = self.moment[wet, cell] + 0.5 * self.share[wet, cell] * (z**2 - (cell * self.spacing) ** 2)
         return self.plan * float(np.sum(moment if along is None else moment * along.ravel()[wet]))
 
     def _top(self, eta: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-        """The wet columns, the cell that holds the level of each, and that level, not above the lid [m]."""
+        """The wet columns, the cell in which the level of each lies, and the level, at most that of the lid [m]."""
         eta = eta.ravel()
         wet = np.flatnonzero(eta > 0.0)
         count = self.share.shape[1]
@@ -134,9 +143,10 @@ class Storage:
 
 @dataclass(frozen=True)
 class _Tent:
-    """The tent of one column along an axis, with its images behind walls or periodic sides: centres [cells].
+    """The tent of one column along an axis: 1 - |x - c| around its centre c, with its images.
 
-    low, high: gates between which it lies, with the centres of the images behind them [cells].
+    centres    c, then the centres of the images behind walls, periodic sides and gates [cells]
+    low, high  gates between which the tent lies [cells]
     """
 
     centres: FloatArray
@@ -145,11 +155,12 @@ class _Tent:
 
     @classmethod
     def of(cls, number: int, count: int, periodic: bool) -> _Tent:
+        """The tent of a column by its number among `count` columns, without gates."""
         c = number + 0.5
         return cls(np.array([c, c - count, c + count] if periodic else [c, -c, 2 * count - c]))
 
     def between(self, faces: Sequence[int]) -> _Tent:
-        """The tent cut and folded at gates on faces at its sides."""
+        """The tent cut and folded at gates, which stand on these faces."""
         c = self.centres[0]
         low = max((float(f) for f in faces if f < c), default=-math.inf)
         high = min((float(f) for f in faces if f > c), default=math.inf)
@@ -167,6 +178,7 @@ class _Tent:
 
     @property
     def kinks(self) -> FloatArray:
+        """Places at which the slope of the tent changes [cells]."""
         gates = [face for face in (self.low, self.high) if math.isfinite(face)]
         return np.unique(np.append(self.centres[:, None] + [-1.0, 0.0, 1.0], gates))
 
@@ -177,7 +189,7 @@ class _Tent:
 
 
 def _columns(grid: Grid, medium: Medium, among: Iterable[int], gates: Iterable[FloatArray]) -> dict[int, FloatArray]:
-    """The pieces (P, 5) of the columns that are not uniform, by their flat numbers. among: along x."""
+    """The pieces (P, 5) of the columns that are not uniform, by their flat numbers. among: their numbers along x."""
     mixed = ~uniform_columns(grid, medium)
     layers = _layers(grid, medium)
     across = _layer_weights(grid, [span for span, _ in layers])
@@ -195,7 +207,7 @@ def _columns(grid: Grid, medium: Medium, among: Iterable[int], gates: Iterable[F
 
 
 def _tents(grid: Grid, i: int, gates: Iterable[FloatArray]) -> Tents:
-    """Tents of column i, each with the height from which on it holds [cells]: gates fold it above their lower edges."""
+    """Tents along x of column i, one for each height from which on another gate folds it, above its lower edge."""
     plain, up = _Tent.of(i, grid.shape[0], grid.periodic[0]), grid.spacing[-1]
     beside = sorted((max(0.0, bottom / up - 0.5), round(x / grid.spacing[0])) for x, bottom in gates)
     beside = [(bottom, face) for bottom, face in beside if face in (i, i + 1)]
@@ -204,7 +216,7 @@ def _tents(grid: Grid, i: int, gates: Iterable[FloatArray]) -> Tents:
 
 
 def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
-    """Columns, grid.shape[:-1], that hold one porosity throughout and no solid, and so do all within REACH of them."""
+    """True (grid.shape[:-1]) for columns of one porosity throughout and no solid, if all within REACH are like them."""
     low, high = medium.porosity.min(axis=-1), medium.porosity.max(axis=-1)
     low = np.where(medium.open_cells.min(axis=-1) < 1.0, -1.0, low)
     for a in range(grid.dimension - 1):
@@ -217,8 +229,8 @@ def uniform_columns(grid: Grid, medium: Medium) -> NDArray[np.bool_]:
 
 
 def _layers(grid: Grid, medium: Medium) -> list[tuple[tuple[float, float], list[Region]]]:
-    """Layers in y as spans [m], each with the regions that stand in its section."""
-    half = (grid.spacing[0] / 2, grid.spacing[-1] / 2)  # the lattice of the seeds, to round as they do
+    """Layers in y as spans [m], each with the regions in its section that differ from clear water."""
+    half = (grid.spacing[0] / 2, grid.spacing[-1] / 2)  # lattice of the seeding, to round as that does
     gains = [-1.0, *(body.porosity - 1.0 for body in medium.bodies)]
     return [
         (span, [(gain, edges(area, half) / 2) for gain, area in zip(gains, (solid, *areas), strict=True)])
@@ -227,7 +239,7 @@ def _layers(grid: Grid, medium: Medium) -> list[tuple[tuple[float, float], list[
 
 
 def _layer_weights(grid: Grid, spans: list[tuple[float, float]]) -> FloatArray:
-    """Share (columns in y, layers) of each layer in the tents along y; 1 in 2D."""
+    """Integral of the tents along y over each layer, (columns in y, layers); 1 in 2D."""
     if grid.dimension == 2:
         return np.ones((1, 1))
     ends = np.array(spans) / grid.spacing[1]
@@ -236,7 +248,7 @@ def _layer_weights(grid: Grid, spans: list[tuple[float, float]]) -> FloatArray:
 
 
 def _heights(outlines: list[FloatArray], tents: Tents, top: int) -> FloatArray:
-    """Sorted heights [cells] between which the section of the column is a parabola, from 0 to top."""
+    """Sorted heights [cells], from 0 to top, between which A of the column is a parabola."""
     found = [np.array([0.0, float(top), *(low for low, _ in tents)])]
     for (_, tent), outline in product(tents, outlines):
         edge = outline[tent.touches(outline)]
@@ -253,7 +265,7 @@ def _heights(outlines: list[FloatArray], tents: Tents, top: int) -> FloatArray:
 
 
 def _sections(regions: list[Region], tents: Tents, z: FloatArray) -> FloatArray:
-    """Mean porosity (P, 3) over the tent at the `SAMPLES` of each piece between the heights z (P + 1,)."""
+    """A (P, 3), mean porosity over the tent, at the `SAMPLES` of each piece between the heights z (P + 1,) [cells]."""
     at = z[:-1, None] + np.diff(z)[:, None] * SAMPLES
     total = np.empty_like(at)
     for low, tent in tents:
@@ -263,7 +275,7 @@ def _sections(regions: list[Region], tents: Tents, z: FloatArray) -> FloatArray:
 
 
 def _mean(regions: list[Region], tent: _Tent, at: FloatArray) -> FloatArray:
-    """Mean porosity over the tent at heights [cells]."""
+    """Mean porosity over a tent at the heights `at` [cells], in the shape of these."""
     total = np.ones_like(at)
     for gain, edge in regions:
         for (x0, z0), (x1, z1) in edge:
@@ -275,13 +287,13 @@ def _mean(regions: list[Region], tent: _Tent, at: FloatArray) -> FloatArray:
 
 
 def _pieces(z: FloatArray, section: FloatArray) -> FloatArray:
-    """The pieces (P + 1, 5) of one column from the sections (P, 3) at their samples."""
+    """The pieces (P + 1, 5) of one column between the heights z (P + 1,), from A at their samples (P, 3)."""
     low, middle, high = np.where(section < NOTHING, 0.0, section).T
     c = 4.5 * (low - 2 * middle + high)
-    slope = 1.5 * (high - low)  # at the middle
+    slope = 1.5 * (high - low)  # slope at the middle of the piece
     a, b = middle - slope / 2 + c / 4, slope - c
-    held = np.maximum(np.diff(z) * (a + b / 2 + c / 3), 0.0)
+    water = np.maximum(np.diff(z) * (a + b / 2 + c / 3), 0.0)
     pieces = np.zeros((len(z), 5))
-    pieces[:, 0], pieces[1:, 1] = z, np.cumsum(held)
+    pieces[:, 0], pieces[1:, 1] = z, np.cumsum(water)
     pieces[:-1, 2:] = np.stack([a, b, c], axis=-1)
     return pieces

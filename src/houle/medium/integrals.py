@@ -1,11 +1,11 @@
 """Exact integrals of polygonal regions over a grid: areas, first moments, box and tent averages, covered faces.
 
-A region of the (x, z) section is bounded by edges. Each edge is cut at the grid lines; the strip below each piece of it
-is counted positive or negative (Green's theorem, as when an outline font is drawn), exactly, for the moments
-integral of xi^a zeta^b, a, b = 0, 1, with xi and zeta in [-1/2, 1/2] across a lattice cell. The lattice is that of the
-half cells (2 per axis and cell): cells, boxes centred on faces and the linear pieces of the tent function are all made
-of half cells, so their averages are exact sums of these moments. In 3D a region is a stack of sections, each over a
-span of y.
+A region of the (x, z) section is bounded by edges. Each edge is cut at the lattice lines, and the strip below each
+piece is counted positive or negative, depending on its direction (Green's theorem, as when an outline font is drawn).
+This gives exactly the moments, integrals of xi^a zeta^b with a, b = 0, 1, where xi and zeta go from -1/2 to 1/2 across
+a lattice cell. The lattice is that of the half cells (2 per axis and cell): cells, boxes centred on faces and the
+linear pieces of the tent function are all made of half cells, so their averages are exact sums of these moments. In 3D
+a region is a stack of sections, each over a span of y. See docs/decisions/0004.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from shapely.geometry.polygon import orient
 from houle.grid import FloatArray, Grid
 from houle.medium.shapes import Span, polygons
 
-ON_LINE = 1e-9  # [cells] an edge nearer to a grid line lies on it
+ON_LINE = 1e-9  # [cells] an end of an edge that is nearer to a lattice line lies on it
 NOTHING = 1e-12  # [cells] less area is none
 
-Averaging = Callable[[FloatArray, FloatArray, bool], FloatArray]  # (moment 0, moment 1, periodic), along the last axis
+Averaging = Callable[[FloatArray, FloatArray, bool], FloatArray]  # (moments 0 and 1 along the last axis, periodic)
 
 
 def edges(area: shapely.Geometry, spacing: Sequence[float]) -> FloatArray:
-    """Edges (E, 2, 2) of a polygonal area in units of the lattice, from [:, 0] to [:, 1], the area on their left."""
+    """Edges (E, 2, 2) of a polygonal area in units of spacing, from [:, 0] to [:, 1], with the area on their left."""
     found = [np.empty((0, 2, 2))]
     for part in map(orient, polygons(area)):
         for ring in (part.exterior, *part.interiors):
@@ -45,31 +45,31 @@ def cut(edge: FloatArray) -> FloatArray:
 
 
 def cut_all(edge: FloatArray) -> tuple[FloatArray, NDArray[np.intp]]:
-    """Pieces (P, 2, 2) of some edges (E, 2, 2), cut at every lattice line, edge by edge; number (P,) of their edge."""
+    """Pieces (P, 2, 2) of edges (E, 2, 2) cut at every lattice line, edge by edge, and number (P,) of their edge."""
     start, step = edge[:, 0], edge[:, 1] - edge[:, 0]
     number = [np.repeat(np.arange(len(edge)), 2)]
-    share = [np.tile([0.0, 1.0], len(edge))]  # of the edge before each end of a piece
+    share = [np.tile([0.0, 1.0], len(edge))]  # place of each end of a piece on its edge, from 0 to 1
     for a in (0, 1):
         first = np.ceil(edge[:, :, a].min(axis=1))
         count = np.where(step[:, a] != 0, np.floor(edge[:, :, a].max(axis=1)) + 1 - first, 0).astype(np.intp)
-        of = np.repeat(np.arange(len(edge)), count)
-        line = first[of] + (np.arange(len(of)) - (np.cumsum(count) - count)[of])
-        number.append(of)
-        share.append((line - start[of, a]) / step[of, a])
-    of, at = np.concatenate(number), np.clip(np.concatenate(share), 0, 1)
-    order = np.lexsort((at, of))
-    of, at = of[order], at[order]
-    new = np.concatenate([[True], (of[1:] != of[:-1]) | (at[1:] != at[:-1])])[: len(of)]
-    of, at = of[new], at[new]
-    point = start[of] + at[:, None] * step[of]
-    last = np.flatnonzero(np.diff(of, append=len(edge)))
-    point[last] = edge[of[last], 1]
-    inner = of[1:] == of[:-1]
-    return np.stack([point[:-1], point[1:]], axis=1)[inner], of[1:][inner]
+        own = np.repeat(np.arange(len(edge)), count)
+        line = first[own] + (np.arange(len(own)) - (np.cumsum(count) - count)[own])
+        number.append(own)
+        share.append((line - start[own, a]) / step[own, a])
+    own, at = np.concatenate(number), np.clip(np.concatenate(share), 0, 1)
+    order = np.lexsort((at, own))
+    own, at = own[order], at[order]
+    new = np.concatenate([[True], (own[1:] != own[:-1]) | (at[1:] != at[:-1])])[: len(own)]
+    own, at = own[new], at[new]
+    point = start[own] + at[:, None] * step[own]
+    last = np.flatnonzero(np.diff(own, append=len(edge)))
+    point[last] = edge[own[last], 1]
+    inner = own[1:] == own[:-1]
+    return np.stack([point[:-1], point[1:]], axis=1)[inner], own[1:][inner]
 
 
 def _fill_below(amount: FloatArray) -> FloatArray:
-    """Along the last axis, the sum of all entries above each one."""
+    """Sum, for each entry, of all entries after it along the last axis, that is above it."""
     total = np.zeros_like(amount)
     total[..., :-1] = np.cumsum(amount[..., :0:-1], axis=-1)[..., ::-1]
     return total
@@ -78,10 +78,11 @@ def _fill_below(amount: FloatArray) -> FloatArray:
 def section_moments(
     area: shapely.Geometry, spacing: Sequence[float], shape: tuple[int, int], between: tuple[int, int] | None = None
 ) -> FloatArray:
-    """Moments (2, 2, *shape) of an area over the cells of a lattice, exact to round-off; or between two columns only.
+    """Moments (2, 2, *shape) of an area over the cells of a lattice, exact to round-off.
 
-    [a, b] is the integral of xi^a zeta^b over the part of the area in the cell, divided by the area of the cell;
-    so [0, 0] is the covered fraction. The area must lie in the lattice, whose cells have this spacing (2,) [m].
+    [a, b] is the integral of xi^a zeta^b over the part of the area in the cell, divided by the area of the cell; so
+    [0, 0] is the covered fraction. The area must lie in the lattice, whose cells have this spacing (2,) [m]. between:
+    first column and end of the columns that are asked for, None for all.
     """
     outline, (first, end) = edges(area, spacing), between or (0, shape[0])
     moments = np.zeros((2, 2, end - first, shape[1]))
@@ -113,7 +114,7 @@ def section_moments(
 
 
 def span_moments(span: Span, spacing: float, cells: int) -> FloatArray:
-    """Moments (2, cells) of a span along one axis: covered fraction, and integral of xi in [-1/2, 1/2] over it."""
+    """Moments (2, cells) of a span [m] in the cells along one axis: covered fraction, and integral of xi over it."""
     ends = [np.clip(end / spacing - np.arange(cells), 0, 1) - 0.5 for end in span]
     ends = [np.where(np.abs(np.abs(e) - 0.5) < ON_LINE, np.round(e + 0.5) - 0.5, e) for e in ends]
     return np.array([ends[1] - ends[0], (ends[1] ** 2 - ends[0] ** 2) / 2])
@@ -135,9 +136,9 @@ def around_faces(zero: FloatArray, one: FloatArray, periodic: bool) -> FloatArra
 
 
 def with_tent(zero: FloatArray, one: FloatArray, periodic: bool) -> FloatArray:
-    """Mean with weight 1 - |x - x_c| / h around each centre x_c; what falls behind a wall is folded back, or wraps."""
+    """Mean with weight 1 - |x - x_c| / h around each centre x_c; the part behind a wall is folded back, or wraps."""
     low, high, low_one, high_one = zero[..., 0::2], zero[..., 1::2], one[..., 0::2], one[..., 1::2]
-    upward, downward = 0.25 * high + 0.5 * high_one, 0.25 * low - 0.5 * low_one  # what the next and the last cell get
+    upward, downward = 0.25 * high + 0.5 * high_one, 0.25 * low - 0.5 * low_one  # for the cells beside
     mean = 0.75 * (low + high) + 0.5 * (low_one - high_one)
     mean[..., 1:] += upward[..., :-1]
     mean[..., :-1] += downward[..., 1:]
@@ -148,9 +149,11 @@ def with_tent(zero: FloatArray, one: FloatArray, periodic: bool) -> FloatArray:
 
 @dataclass(frozen=True)
 class Measure:
-    """Half-cell moments of a region: sum over layers of the section's (2, 2, 2 nx, 2 nz) times those in y (2, 2 ny).
+    """Moments of a region in the half cells of a grid, kept as products.
 
-    columns: which of the half cells along x, [first, end); None: all.
+    layers   pairs of the moments of a section (2, 2, 2 nx, 2 nz) and those of its span in y (2, 2 ny), None in 2D; the
+             moments of the region are the sum over pairs of the product
+    columns  range [first, end) of half cells along x that are known; None: all
     """
 
     grid: Grid
@@ -178,7 +181,7 @@ class Measure:
         )
 
     def mean(self, averaging: Sequence[Averaging]) -> FloatArray:
-        """Average of the region's indicator, with one kind of averaging per axis; of all columns only."""
+        """Fraction that the region takes of each cell, box or tent, with one averaging per axis; needs all columns."""
         wrap = self.grid.periodic
         total: FloatArray | None = None
         for moments, along in self.layers:
@@ -191,7 +194,7 @@ class Measure:
         return np.zeros(shape) if total is None else np.ascontiguousarray(total)
 
     def half_cells(self, powers: Sequence[int] | None = None) -> FloatArray:
-        """The moments themselves (columns, [2 ny,] 2 nz), of these powers (0 or 1) along the axes."""
+        """The moments with these powers, 0 or 1 per axis, in the half cells (columns, [2 ny,] 2 nz)."""
         p, (first, end) = powers or (0,) * self.grid.dimension, self.columns or (0, 2 * self.grid.shape[0])
         total = np.zeros([end - first, *(2 * n for n in self.grid.shape[1:])])
         for moments, along in self.layers:
@@ -201,9 +204,9 @@ class Measure:
 
 
 def covered_lines(area: shapely.Geometry, spacing: Sequence[float], shape: tuple[int, int]) -> FloatArray:
-    """Fraction (nx + 1, nz) of each piece of the vertical grid lines that the closed area covers.
+    """Fraction (nx + 1, nz) that a closed area covers of each piece, one cell long, of the vertical grid lines.
 
-    An area that ends on a line covers it: of the limits from the left and from the right, the larger counts.
+    An area that ends on a line covers it: the larger of the limits from the left and from the right counts.
     """
     outline = edges(area, spacing)
     covered = np.maximum(_covered_beside(outline, shape, left=True), _covered_beside(outline, shape, left=False))
@@ -211,7 +214,7 @@ def covered_lines(area: shapely.Geometry, spacing: Sequence[float], shape: tuple
 
 
 def _covered_beside(outline: FloatArray, shape: tuple[int, int], left: bool) -> FloatArray:
-    """Covered fraction of `covered_lines`, just to the left or just to the right of each line."""
+    """The covered fraction of `covered_lines` just to the left or just to the right of each line."""
     covered = np.zeros((shape[0] + 1, shape[1]))
     full = np.zeros_like(covered)
     for start, end in outline:
@@ -227,7 +230,7 @@ def _covered_beside(outline: FloatArray, shape: tuple[int, int], left: bool) -> 
 
 
 def covered_faces(grid: Grid, areas: Sequence[tuple[Span, shapely.Geometry]]) -> list[FloatArray]:
-    """Fraction of every face (one array per axis) that a closed region of sections and spans covers: exact."""
+    """Exact fraction of every face, one array per axis, that a closed region covers; areas as in `Measure.of`."""
     faces = grid.faces()
     cells = (grid.shape[0], grid.shape[-1])
     for span, area in areas:

@@ -1,8 +1,9 @@
-"""Interfaces between media, for the transfers between particles and grid: velocities are not continuous along them.
+"""Interfaces between porous media, for the transfers: the velocity along an interface is not continuous across it.
 
-Media are told apart by what they do to the water: porosity, inertia and resistance. Bodies that share these are one
-medium, and a body that does nothing is clear water. A cell near an interface knows it as a plane: the edge of the
-section nearest to its centre, in 3D also the end of a layer in y.
+So a particle near an interface sees the faces on its own side only, (11a) in docs/theory.md. Media are told apart by
+their effect on the water: porosity, inertia and resistance. Bodies that have the same are one medium, and a body
+without any effect is clear water. A cell near an interface knows it as a plane: the edge of the section nearest to its
+centre, in 3D also the end of a layer in y. Gates count as interfaces, too (docs/decisions/0017 and 0020).
 """
 
 from __future__ import annotations
@@ -19,27 +20,27 @@ from houle.grid import FloatArray, Grid, beside, fixed, seen, spread
 from houle.medium.sections import Layer, PorousBody, repeated
 from houle.medium.shapes import Span, covers, polygons
 
-REACH = 2  # cells from which particles and faces still see each other across an interface
-ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across
+REACH = 2  # cells within which particles and faces see each other across an interface
+ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across (n: unit normal)
 PARALLEL = 1e-9  # 1 - |n_a| below which an interface is parallel to the faces of axis a
-LEAST_SHARE = 1e-6  # of the box around a face: another medium that takes less does not share it
-ON_LINE = 1e-6  # [spacings] what is nearer to an interface lies on it
-ASIDE = 1e-3  # [spacings] from an interface: where the media of its two sides are looked up
-SOLID = -1  # in the place of the number of a medium
-GATE = (-3.0, -2.0)  # in the place of those on both sides: before and behind a gate
+LEAST_SHARE = 1e-6  # share of the box around a face: another medium that takes less does not share the face
+ON_LINE = 1e-6  # [spacings] a point nearer to an interface lies on it
+ASIDE = 1e-3  # [spacings] distance from an interface at which the media of its two sides are looked up
+SOLID = -1  # number of a medium: a solid
+GATE = (-3.0, -2.0)  # numbers of media: the two sides of a gate, at smaller and at larger x
 
 
 class Interfaces(NamedTuple):
     """The interfaces as the core takes them.
 
-    number  cells  int32: the row of `planes` that holds the interface nearest to the centre of the cell; -1 where no
-            interface is within `REACH`
-    close   cells  int32: the same, for particles that see faces by the linear kernel: -1 also where all faces that
-            they can see are in one medium
-    planes  (K, d + 3) unit normal, its product with a point on the plane [m], and the media on the sides where that
-            product is less, and more
-    medium  faces  int8: number of the medium at the centre of the face, 0 clear water, -1 in a solid; on an interface
-            the medium that resists less
+    number  cells, int32: row in `planes` of the interface nearest to the centre of the cell; -1 without an interface
+            within `REACH`
+    close   cells, int32: the same for the linear kernel, -1 also where all faces that a particle in the cell can see
+            are in one medium
+    planes  (K, d + 3): unit normal; its product with a point on the plane [m]; number of the medium on the side where
+            that product is smaller, and on the side where it is larger
+    medium  faces, int8: number of the medium at the centre of the face, 0 for clear water, -1 in a solid; on an
+            interface that of the medium that resists less
     """
 
     number: NDArray[np.int32]
@@ -63,7 +64,7 @@ class Interfaces(NamedTuple):
         number = np.full(grid.shape, -1, np.int32)
         number[tuple(cell[kept].T)] = np.arange(np.count_nonzero(kept))
         planes = planes[kept]
-        on_it = ON_LINE * min(grid.spacing)  # what lies on an interface is in the medium that resists less
+        on_it = ON_LINE * min(grid.spacing)  # points on an interface are in the medium that resists less
         planes[:, -3] += np.where(planes[:, -2] < planes[:, -1], on_it, -on_it)
         medium = [_on_faces(grid, sections, axis) for axis in range(grid.dimension)]
         close = np.where(_several_seen(grid, medium), number, np.int32(-1))
@@ -71,9 +72,10 @@ class Interfaces(NamedTuple):
 
     @classmethod
     def with_gates(cls, grid: Grid, gates: FloatArray, media: Interfaces | None) -> Interfaces | None:
-        """The interfaces with shut gates, each side of which has its own velocity in the cells beside them.
+        """The interfaces together with shut gates, on each side of which the water has its own velocity.
 
-        A gate hides the interfaces in those cells. gates (K, 2) holds x of the face and height of the lower edge [m].
+        In the cells beside a gate, above its lower edge, it replaces other interfaces. gates (K, 2): x of the face and
+        height of the lower edge [m]; media: the interfaces without gates, None without any.
         """
         d, h = grid.dimension, grid.spacing
         if media is None:
@@ -89,7 +91,7 @@ class Interfaces(NamedTuple):
         return cls(fixed(number), fixed(close), np.concatenate([media.planes, planes]), media.medium)
 
     def oblique(self, grid: Grid) -> NDArray[np.bool_]:
-        """Cells whose nearest interface is oblique, nearly parallel to faces of no axis, and those around them."""
+        """Cells whose nearest interface is oblique, that is across no axis (`ALONG`), and all cells around those."""
         near = (self.number >= 0) & np.all(self.planes[:, : grid.dimension] ** 2 < ALONG, axis=1)[self.number]
         return spread(near, grid.periodic)
 
@@ -98,19 +100,29 @@ Kind = tuple[float, float, float, float, float]  # a, b, n, C_r and K of a mediu
 
 
 def number_media(bodies: Sequence[PorousBody]) -> tuple[NDArray[np.int8], list[Kind]]:
-    """The number of the medium of each body, and what each medium does. 0 is clear water; more resists more."""
+    """The number of the medium of each body, and the properties of the media by number.
+
+    Number 0 is clear water; the others are in the order of their resistance, the least first.
+    """
     clear, kinds = (0.0, 0.0, 1.0, 1.0, 1.0), [(b.a, b.b, b.porosity, b.inertia, b.convective) for b in bodies]
     media = sorted({clear, *kinds}, key=lambda m: (m != clear, m[0], m[1], -m[2], *m[3:]))
     return np.array([media.index(kind) for kind in kinds], np.int8), media
 
 
 class _LayerMedia(NamedTuple):
-    """The section of one layer in y: areas of its media, those that resist less first, and the edges between them."""
+    """The media in the section of one layer in y, continued beyond the sides of the tank.
+
+    span    the y of the layer [m]
+    areas   (number of the medium, its area), those that resist less first, the solids last; wider by `ON_LINE` than
+            they are
+    inside  all areas together, and narrower by `ON_LINE` than they are
+    edge    (E, 2, 2) ends of the edges between media [m]
+    """
 
     span: Span
-    areas: list[tuple[int, shapely.Geometry]]  # of each medium, the solids last; wider by `ON_LINE` than they are
-    inside: shapely.Geometry  # all of them together, and narrower than they are
-    edge: FloatArray  # (E, 2, 2) ends [m]
+    areas: list[tuple[int, shapely.Geometry]]
+    inside: shapely.Geometry
+    edge: FloatArray
 
     @classmethod
     def of(cls, grid: Grid, part: Layer, media: NDArray[np.int8]) -> _LayerMedia:
@@ -137,14 +149,18 @@ class _LayerMedia(NamedTuple):
         return found
 
     def nearest(self, x: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Distance (N,) from points to the nearest edge [m]; (N, 2, 2) its unit normal and its nearest point [m]."""
+        """Distance (N,) from points to the nearest edge [m], and (N, 2, 2) its unit normal and its nearest point [m].
+
+        At a corner of an edge the normal is the direction from there to the point. Of edges that are equally near the
+        most upright one is taken.
+        """
         if len(self.edge) == 0:
             return np.full(len(x), np.inf), np.zeros((len(x), 2, 2))
         tree = shapely.STRtree(shapely.linestrings(self.edge))
         points = shapely.points(x, z)
         _, near = tree.query_nearest(points, all_matches=False, return_distance=True)
         reach = near + ON_LINE * near.max(initial=0.0)
-        found, which = tree.query(points, predicate="dwithin", distance=reach)  # the more upright of those as near
+        found, which = tree.query(points, predicate="dwithin", distance=reach)
         steep = np.abs(self.edge[which, 1, 1] - self.edge[which, 0, 1])
         steep /= np.linalg.norm(self.edge[which, 1] - self.edge[which, 0], axis=1)
         order = np.lexsort((-np.round(steep, 6), found))
@@ -165,7 +181,7 @@ class _LayerMedia(NamedTuple):
 
 
 def _beyond(grid: Grid, area: shapely.Geometry) -> shapely.Geometry:
-    """The polygons of the area, and how they go on beyond the sides of the tank."""
+    """The polygons of the area, continued beyond the sides of the tank: mirrored, or repeated along periodic axes."""
     return shapely.multipolygons(polygons(repeated(grid, area, mirrored=True)))
 
 
@@ -184,7 +200,7 @@ def _edges(grid: Grid, area: shapely.Geometry, solid: shapely.Geometry) -> Float
 
 
 def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
-    """Cells that have different media within `REACH` cells. medium: that of each half cell."""
+    """True for cells that have different media within `REACH` cells. medium: number in each half cell."""
     low = high = medium
     for axis in range(grid.dimension):
         low = np.minimum(np.delete(low, np.s_[1::2], axis), np.delete(low, np.s_[0::2], axis))
@@ -195,7 +211,7 @@ def _near(grid: Grid, medium: NDArray[np.int8]) -> NDArray[np.bool_]:
 
 
 def _several_seen(grid: Grid, medium: list[NDArray[np.int8]]) -> NDArray[np.bool_]:
-    """Cells in which the linear kernel of a particle can reach faces of one axis in several media."""
+    """True for cells in which the linear kernel of a particle can reach faces of one axis in several media."""
     found = np.zeros(grid.shape, bool)
     for axis, number in enumerate(medium):
         least = seen(np.minimum, np.where(number == SOLID, np.int8(127), number), axis, grid.periodic)
@@ -204,7 +220,7 @@ def _several_seen(grid: Grid, medium: list[NDArray[np.int8]]) -> NDArray[np.bool
 
 
 def _planes(grid: Grid, sections: Sequence[_LayerMedia], centre: FloatArray) -> FloatArray:
-    """The interfaces nearest to points (N, d), as in `Interfaces.planes`; the media are equal where there is none."""
+    """The interfaces nearest to points (N, d) [m], as `Interfaces.planes`; where there is none the media are equal."""
     d, aside = grid.dimension, ASIDE * min(grid.spacing)
     planes = np.zeros((len(centre), d + 3))
     nearest = np.full(len(centre), np.inf)
@@ -231,7 +247,7 @@ def _planes(grid: Grid, sections: Sequence[_LayerMedia], centre: FloatArray) -> 
 
 
 def _on_faces(grid: Grid, sections: Sequence[_LayerMedia], axis: int) -> NDArray[np.int8]:
-    """Number of the medium at the centre of each face of one axis, as in `Interfaces.medium`."""
+    """`Interfaces.medium` of one axis: number of the medium at the centre of each face."""
     centre = grid.points(axis).reshape(-1, grid.dimension)
     return _medium_at(grid, sections, centre).reshape(grid.face_shape(axis))
 
@@ -239,8 +255,9 @@ def _on_faces(grid: Grid, sections: Sequence[_LayerMedia], axis: int) -> NDArray
 class Shared(NamedTuple):
     """Faces of one axis that two media share side by side, along an interface parallel to the grid.
 
-    face, beside  (K,) int64: such faces, and the neighbour of each whose centre is in the other medium; flat indices
-    share         (K,) share of the box around the face that the other medium takes [-], at most one half
+    face    (K,) int64: flat numbers of these faces
+    beside  (K,) int64: flat number of the neighbour of each whose centre is in the other medium
+    share   (K,) share of the box around the face that the other medium takes [-], at most one half
     """
 
     face: NDArray[np.int64]
@@ -248,8 +265,9 @@ class Shared(NamedTuple):
     share: FloatArray
 
     def mean(self, field: FloatArray) -> FloatArray:
-        """Means over both media on these faces (K,) of a field on all faces of the axis; the face beside stands for the
-        other medium.
+        """Means (K,) over both media on these faces of a field on all faces of the axis.
+
+        The value of the other medium is that of the face beside.
         """
         every = field.ravel()
         own = every[self.face]
@@ -260,11 +278,12 @@ def stand_along(
     grid: Grid, parts: Sequence[Layer], bodies: Sequence[PorousBody], interfaces: Interfaces | None,
     material: list[NDArray[np.int32]], materials: FloatArray,
 ) -> tuple[list[NDArray[np.int32]], FloatArray, list[Shared]]:  # fmt: skip
-    """`Medium.material` and `Medium.materials` with the faces along which an interface runs, and those that two media
-    share.
+    """Treats the faces along which an interface runs: returns `Medium.material`, `Medium.materials`, `Medium.shared`.
 
-    Media that an interface across the flow parts lie one behind the other, and their mean resists. Along the flow they
-    lie side by side, each with a velocity of its own, and the face stands in the medium at its centre.
+    material and materials hold, on entry, the means over the boxes around the faces. Where the interface is across the
+    component of velocity on the face, the media follow one behind the other, and this mean resists. Where it is along
+    it, they lie side by side, each with a velocity of its own: the face then has the properties of the medium at its
+    centre, and may be shared.
     """
     if not bodies or interfaces is None:
         return material, materials, []
@@ -295,7 +314,7 @@ def stand_along(
 
 
 def _repeated_at_end(grid: Grid, axis: int, shared: Shared) -> Shared:
-    """Shared faces with those at the far end of a periodic axis, which are its first ones again."""
+    """The shared faces together with those at the far end of a periodic axis, which are the first ones again."""
     shape = grid.face_shape(axis)
     first = np.unravel_index(shared.face, shape)[axis] == 0
     way = grid.shape[axis] * int(np.prod(shape[axis + 1 :]))
@@ -310,11 +329,12 @@ def _shared(
     grid: Grid, axis: int, index: NDArray[np.int64], centre: FloatArray, planes: FloatArray, medium: NDArray[np.int8],
     media: NDArray[np.int8], pure: FloatArray, mean: FloatArray,
 ) -> Shared:  # fmt: skip
-    """Shared faces among M of one axis, without corners of bodies and faces beside a third medium.
+    """The shared faces among M faces of one axis, without those at corners of bodies or beside a third medium.
 
-    index, centre  (M, d) of the faces, [-] and [m]    planes  (M, d + 3) the interface nearest to each
-    medium, media  at their centres (M,), and at those of all faces of the axis
-    pure, mean     (media, 3) C_r / n, a and b of each medium, and (M, 3) their means over the boxes around the faces
+    index   (M, d) numbers of the faces along the axes; centre: (M, d) their centres [m]
+    planes  (M, d + 3) the interface nearest to each, as in `Interfaces.planes`
+    medium  (M,) number of the medium at their centres; media: the same of all faces of the axis
+    pure    (media, 3) C_r / n, a and b of each medium; mean: (M, 3) their means over the boxes around the faces
     """
     d = grid.dimension
     found = []
@@ -323,33 +343,33 @@ def _shared(
             continue
         distance = planes[:, d] - planes[:, b] * centre[:, b]  # along the normal, to the interface
         share = 0.5 - np.abs(distance) / grid.spacing[b]
-        above = distance <= 0.0  # the centre lies there, where normal . x is more
+        above = distance <= 0.0  # True if the centre lies where normal . x is larger
         other = np.where(above, planes[:, -2], planes[:, -1]).astype(int)
         step = np.where(above, -1, 1) * np.sign(planes[:, b]).astype(int)
-        beside = index.copy()
-        beside[:, b] += step
+        neighbour = index.copy()
+        neighbour[:, b] += step
         if grid.periodic[b]:
-            beside[:, b] %= grid.shape[b]
-        inside = (beside[:, b] >= 0) & (beside[:, b] < grid.shape[b])
-        beside[~inside] = index[~inside]
+            neighbour[:, b] %= grid.shape[b]
+        inside = (neighbour[:, b] >= 0) & (neighbour[:, b] < grid.shape[b])
+        neighbour[~inside] = index[~inside]
         own = np.maximum(medium, 0).astype(int)
         other = np.maximum(other, 0)
         expected = (1.0 - share)[:, None] * pure[own] + share[:, None] * pure[other]
         kept = inside & (medium >= 0) & (np.abs(planes[:, b]) > 1.0 - PARALLEL) & (share > LEAST_SHARE)
         kept &= ((index[:, axis] > 0) & (index[:, axis] < grid.shape[axis])) | grid.periodic[axis]
-        kept &= (other != own) & (media[tuple(beside.T)] == other)
+        kept &= (other != own) & (media[tuple(neighbour.T)] == other)
         kept &= np.isclose(expected, mean, rtol=1e-6, atol=0.0).all(axis=1)
-        flat = [np.ravel_multi_index(tuple(i[kept].T), media.shape) for i in (index, beside)]
+        flat = [np.ravel_multi_index(tuple(i[kept].T), media.shape) for i in (index, neighbour)]
         found.append((*flat, share[kept]))
     return Shared(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
 def _medium_at(grid: Grid, sections: Sequence[_LayerMedia], point: FloatArray) -> NDArray[np.int8]:
-    """The medium at points (N, d) in the tank; between layers in y the one that resists less."""
-    found = np.full(len(point), SOLID, np.int8).view(np.uint8)  # in which a solid is the largest
+    """Number of the medium at points (N, d) [m] in the tank; between layers in y that of the one that resists less."""
+    found = np.full(len(point), SOLID, np.int8).view(np.uint8)  # -1, a solid, is the largest uint8
     for section in sections:
         here = (point[:, 1] >= section.span[0]) & (point[:, 1] <= section.span[1]) | (grid.dimension == 2)
         if grid.dimension == 3 and grid.periodic[1] and (section is sections[0] or section is sections[-1]):
-            here |= (point[:, 1] == 0.0) | (point[:, 1] == grid.size[1])  # where the last layer meets the first
+            here |= (point[:, 1] == 0.0) | (point[:, 1] == grid.size[1])  # the seam of the last layer and the first
         found[here] = np.minimum(found[here], section.medium_at(point[here, 0], point[here, -1]).view(np.uint8))
     return found.view(np.int8)

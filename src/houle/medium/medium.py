@@ -1,12 +1,14 @@
 """The porous medium on the grid: porosity, openness, inertia and resistance of cells and faces, from the shapes.
 
-Everything is fixed in time and exact: shapes are polygons in the section, and what the solver needs are averages of a
-piecewise constant property over cells, over one-cell boxes around faces, or with the tent function (integrals.py).
-Where shapes overlap, a solid replaces a porous body, and a porous body replaces those before it in the case.
-Resistance per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d; the acceleration is C_r Du/Dt with
-u = u_d / n, so a face needs <C_r / n>, <a> and <b>, and the Bernoulli force C_r / n^2, the kinetic energy of water at
-a given Darcy velocity. K is C_r of what the convective acceleration sees: C_r, or 1 where the added mass stands before
-the local one alone.
+Everything is fixed in time and exact: shapes are polygons in the section, and the solver needs averages <.> of
+properties that are constant in each body: over cells, over one-cell boxes around faces, or with the tent function as
+weight (integrals.py). Where shapes overlap, a solid replaces a porous body, and a porous body replaces those before it
+in the case.
+
+The resistance per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d, and its inertia C_r Du/Dt with
+u = u_d / n. So a face needs <C_r / n>, <a> and <b>. The Bernoulli force needs K / n^2, to which the kinetic energy of
+water at a given u_d is in proportion. K is the coefficient of the convective acceleration: C_r, or 1 where the added
+mass stands before the local acceleration alone (docs/theory.md, sections 1 and 3).
 """
 
 from __future__ import annotations
@@ -25,44 +27,46 @@ from houle.medium.shapes import Shape, covers
 from houle.medium.solids import ClosedFaces, Outline, closed_faces
 from houle.medium.thin_solids import SLIT, thickened
 
-FITTED = 1e-5  # of the porosity at particles: what its tents may be off
-LEAST = 0.5  # of the least porosity around a cell: what `particle_porosity` is at least
-NEAR = 8  # cells from an interface: beyond, the porosity of particles is that of the body
+FITTED = 1e-5  # error of the means over tents at which the fit of the particle porosity stops
+LEAST = 0.5  # least particle porosity of a cell, as a share of the least porosity around it
+NEAR = 8  # cells within which `contrast` looks for another medium: farther, the particle porosity is that of the body
 CLOSED = 1e-3  # a cell or a face less open than this is closed: its coefficients would only spoil the pressure solve
-ROUND_OFF = 1e-9  # of shares that are compared with `SLIT`: what differs by less is equal to it
-OBLIQUE = 1e12  # `contrast` at oblique interfaces: more than the Bernoulli force is used at
+ROUND_OFF = 1e-9  # shares that differ by less are equal, when they are compared with `SLIT`
+OBLIQUE = 1e12  # `contrast` at oblique interfaces: so large that the Bernoulli force is not used there
 
 
 @dataclass(frozen=True)
 class Medium:
-    """The medium on the grid, at rest. Averages are over the open (not solid) part of the space.
+    """The medium on the grid; it does not move. Averages are over the open (not solid) part of the space.
 
-    kind           cells  number of a column of each of `kinds` (int32): most cells lie in one body, or in clear water
-    kinds          name -> values (K,) of
+    Most cells and faces lie in one body or in clear water, so few of them differ: a field is a number per cell or face
+    and a table of the values that the number stands for.
+
+    kind           cells  number of the cell in each of `kinds`, int32
+    kinds          name -> values (K,), by number, of
         porosity          mean n; 1 in clear water. A closed cell beside open ones has their mean, so that interpolation
                           to points beside a solid sees no clear water inside it (the same holds for the next three)
-        particle_porosity n at the cell centres, between which that of the particles is linear: such that water
-                          which fills it fills the tents as it does the pores of the structure (decision 0010)
-        open_cells        open fraction of the volume, 0 where less than `CLOSED` and in slits (`SLIT`)
-        energy            K / n^2 as <K / n> / <n>: that of water that fills the pores of the cell with one u_d
+        particle_porosity n at the cell centres, between which the porosity of particles is linear: fitted such that
+                          the tents hold as much water with it as in the pores of the structure (decision 0010)
+        open_cells        open fraction of the volume; 0 where it is less than `CLOSED` and in slits (`SLIT`)
+        energy            K / n^2, taken as <K / n> / <n>
         coefficient       <K>
-        contrast          largest over least K / n^2 of the open cells `NEAR` each way, that of C_r / n^2 if it is more;
-                          1: no interface near; at oblique ones `OBLIQUE`: no force on faces takes water across
-        inertia           C_r / n where all faces that a particle there sees have the same, else 0
-        uniform           the same where it sees one porosity of particles, too, else 0
-        lag               1 - <K> / <C_r>; only where K is not C_r in some body
-    open_faces     faces  open fraction of the area (without the domain walls), 0 where less than `CLOSED` or where a
-                          cell beside it is closed; in single precision
-    material       faces  number of a row of `materials` (int32): most faces stand in one body, or in clear water;
-                          empty without bodies: 0
-    materials      (K, 3) <C_r / n>, <a> [1/s] and <b> [1/m] over the one-cell box around a face (its inner half at a
-                          wall)
+        contrast          largest over least K / n^2 of the open cells within `NEAR` each way, or that of C_r / n^2 if
+                          it is more; 1 without an interface near; `OBLIQUE` at oblique ones
+        inertia           C_r / n where all faces that a particle in the cell sees have the same; else 0
+        uniform           the same, if a particle there also sees one particle porosity only; else 0
+        lag               1 - <K> / <C_r>; there only if K is not C_r in some body
+    open_faces     faces  open fraction of the area (without the domain walls); 0 where it is less than `CLOSED` or
+                          where a cell beside the face is closed; in single precision
+    material       faces  number of the face in `materials`, int32; empty without bodies, where it is 0
+    materials      (K, 3) <C_r / n>, <a> [1/s] and <b> [1/m] over the one-cell box around a face (over its inner half
+                          at a wall)
     body           int8   (2 nx, [2 ny,] 2 nz): k + 1 where body number k holds the centre of the half cell, 0 in clear
                           water, -1 in a solid
-    outline        of the solids, for particles near them; None without solids
-    closed_faces   of each axis, those in solids near the water; none without solids
-    interfaces     between the media; None where there is one
-    shared         of each axis, the faces that two media share side by side; empty where there is one medium
+    outline        outline of the solids, for particles near them; None without solids
+    closed_faces   per axis, the faces in solids near the water; empty without solids
+    interfaces     interfaces between the media; None where there is one medium
+    shared         per axis, the faces that two media share side by side; empty where there is one medium
     settles        whether water beside upright interfaces is seeded as flow leaves it (`seeding.Settled`): not where
                    gates stand
     """
@@ -101,17 +105,17 @@ class Medium:
         covered = covered_faces(grid, sections)
         open_cells = np.where((cells.open < CLOSED) | _slits(grid, cells.open, covered), 0.0, cells.open)
 
-        def of(coefficients: Sequence[float]) -> tuple[FloatArray, ...]:
-            """K/n^2 of the cells for these K of the bodies, K itself, and the contrast."""
+        def factors(coefficients: Sequence[float]) -> tuple[FloatArray, ...]:
+            """Three cell fields for these K of the bodies: K/n^2, K, and the contrast of K/n^2."""
             over_n = [k / n for k, n in zip(coefficients, porosities, strict=True)]
             factor = cells.of(over_n, 1.0) / cells.of(porosities, 1.0), cells.of(coefficients, 1.0)
             energy, mean = (_extend(field, open_cells, grid.periodic) for field in factor)
             return energy, mean, _contrast(energy, open_cells > 0.0, grid.periodic, NEAR)
 
-        energy, coefficient, contrast = of([b.convective for b in bodies])
+        energy, coefficient, contrast = factors([b.convective for b in bodies])
         lag = {}
         if any(b.convective != b.inertia for b in bodies):
-            _, inertia, other = of([b.inertia for b in bodies])
+            _, inertia, other = factors([b.inertia for b in bodies])
             contrast, lag = np.maximum(contrast, other), {"lag": 1.0 - coefficient / inertia}
         open_faces = _open_faces(grid, open_cells, covered)
         outline = Outline.of(grid, solids)
@@ -149,12 +153,12 @@ class Medium:
         )
 
     def listed(self, name: str) -> tuple[NDArray[np.int32], FloatArray]:
-        """One of `kinds` as the core takes it: the number of each cell, and the values by number."""
+        """One of `kinds` as the core takes it: the number of each cell, and the table of values."""
         return self.kind, self.kinds[name]
 
     @property
     def porosity(self) -> FloatArray:
-        """Mean porosity of the cells [-]; a new array, like the fields below."""
+        """Mean porosity of the cells [-]. This property and the next four make new arrays; see the class."""
         return self.kinds["porosity"][self.kind]
 
     @property
@@ -175,7 +179,7 @@ class Medium:
 
     @property
     def at_interface(self) -> NDArray[np.bool_]:
-        """Cells (grid.shape) that have another K / n^2 up to two cells away along each axis."""
+        """Cells (grid.shape) within two cells, along each axis, of another K / n^2."""
         return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > 1.0
 
     def on_faces(self, column: int) -> Faces:
@@ -186,14 +190,17 @@ class Medium:
 
 
 class _Mean:
-    """Averages over the open space of properties that are constant in each body and in clear water."""
+    """Averages over the open space of properties that are constant in each body and in clear water.
+
+    open    open fraction of each average; shares: fraction that each body takes
+    """
 
     def __init__(self, solid: Measure, inside: Sequence[Measure], averaging: Sequence) -> None:
         self.open = np.maximum(1.0 - solid.mean(averaging), 0.0)
         self.shares = [m.mean(averaging) for m in inside]
 
     def of(self, values: Sequence[float], clear: float) -> FloatArray:
-        """Mean of the property with these values in the bodies; its clear-water value where nothing is open."""
+        """Mean of a property with these values in the bodies and `clear` in clear water; `clear` if nothing is open."""
         extra = np.zeros_like(self.open)
         for value, share in zip(values, self.shares, strict=True):
             extra += (value - clear) * share
@@ -203,7 +210,7 @@ class _Mean:
 def _list_materials(
     grid: Grid, bodies: Sequence[PorousBody], solid: Measure, inside: Sequence[Measure]
 ) -> tuple[list[NDArray[np.int32]], FloatArray]:
-    """Tables `Medium.material` and `Medium.materials` of these bodies."""
+    """`Medium.material` and `Medium.materials` of these bodies: numbers per axis, and the table."""
     if not bodies:
         return [], np.array([[1.0, 0.0, 0.0]])
     values = [
@@ -221,7 +228,10 @@ def _list_materials(
 
 
 def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool], reach: int) -> FloatArray:
-    """Largest over least of a positive cell field, over the open cells up to `reach` away each way; 1 if none."""
+    """Ratio of largest to least value of a positive cell field in the open cells up to `reach` away along the axes.
+
+    1 where no cell around is open.
+    """
     most, least = np.where(open_, energy, -np.inf), np.where(open_, energy, np.inf)
     for axis in range(energy.ndim):
         for _ in range(reach):
@@ -230,9 +240,7 @@ def _contrast(energy: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[b
 
 
 def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> tuple[FloatArray, FloatArray]:
-    """C_r / n of all faces that a particle in the cell sees, 0 where they differ; and the same, 0 also where it sees
-    several porosities.
-    """
+    """`Medium.kinds` "inertia" and "uniform" of the cells, from the particle porosity and the C_r / n of the faces."""
     if not inertia:
         return np.ones(grid.shape), np.ones(grid.shape)
     extremes = [seen(choose, f, a, grid.periodic) for a, f in enumerate(inertia) for choose in (np.minimum, np.maximum)]
@@ -244,9 +252,9 @@ def _uniform(grid: Grid, porosity: FloatArray, inertia: Faces) -> tuple[FloatArr
 
 
 def _listed(fields: Sequence[FloatArray]) -> tuple[NDArray[np.int32], FloatArray]:
-    """The different tuples of values of some fields, as rows of a table, and the number of its row for each entry."""
+    """Several fields as one field of numbers and a table; its rows (K, fields) are the different tuples of values."""
     flat = [f.ravel() for f in fields]
-    first = np.concatenate([[True], np.any([f[1:] != f[:-1] for f in flat], axis=0)])  # of a run of equal ones
+    first = np.concatenate([[True], np.any([f[1:] != f[:-1] for f in flat], axis=0)])  # starts of runs of equal tuples
     start = np.flatnonzero(first)
     table, number = np.unique(np.stack([f[start] for f in flat], axis=1), axis=0, return_inverse=True)
     runs = np.diff(start, append=len(first))
@@ -270,12 +278,12 @@ def _slits(grid: Grid, open_cells: FloatArray, covered: Faces) -> NDArray[np.boo
 
 
 def _open_faces(grid: Grid, open_cells: FloatArray, covered: Faces) -> SingleFaces:
-    """1 - covered fraction; 0 where that is tiny, or beside a closed cell."""
+    """Open fraction of the faces: 1 - covered fraction; 0 where that is below `CLOSED`, or beside a closed cell."""
     faces = [1.0 - share for share in covered]
     for axis, face in enumerate(faces):
         wide = widened(open_cells, axis, grid.periodic[axis])
-        beside = np.moveaxis(np.minimum(wide[:-1], wide[1:]), 0, axis)
-        face[(face < CLOSED) | (beside == 0)] = 0.0
+        least = np.moveaxis(np.minimum(wide[:-1], wide[1:]), 0, axis)
+        face[(face < CLOSED) | (least == 0)] = 0.0
         if grid.periodic[axis]:  # the first and the last face are the same
             first = np.minimum(face.take([0], axis), face.take([-1], axis))
             np.moveaxis(face, axis, 0)[[0, -1]] = np.moveaxis(first, axis, 0)
@@ -283,7 +291,7 @@ def _open_faces(grid: Grid, open_cells: FloatArray, covered: Faces) -> SingleFac
 
 
 def _extend(values: FloatArray, open_cells: FloatArray, periodic: Sequence[bool]) -> FloatArray:
-    """The values; closed cells get the mean of the open cells around them (3^d, weighted by openness), if any."""
+    """The cell values; closed cells get the mean of the open ones among the 3^d around them, weighted by openness."""
     if open_cells.all():
         return values
     total, weight = values * open_cells, open_cells.copy()
@@ -302,10 +310,11 @@ def _extend(values: FloatArray, open_cells: FloatArray, periodic: Sequence[bool]
 def _fit_tents(
     porosity: FloatArray, tent: FloatArray, open_: NDArray[np.bool_], periodic: Sequence[bool]
 ) -> FloatArray:
-    """Cell values whose linear interpolant has these means over the tents of the open cells: a least-squares fit.
+    """Cell values (n) whose linear interpolant has the means `tent` over the tents of the open cells.
 
-    Its mean over a tent is 1/6, 4/6, 1/6 of the values around along each axis; solved by iteration from the cell
-    means, to `FITTED`; what differs less from them is left alone. Never below `LEAST` times the least porosity around.
+    The mean over a tent weighs the values around by 1/6, 4/6, 1/6 along each axis. The system is solved by iteration
+    from the cell means, up to an error of `FITTED`; values that hardly differ from the cell means stay those. No value
+    is below `LEAST` times the least porosity around.
     """
     n, least = porosity, porosity
     for axis, wraps in enumerate(periodic):
@@ -327,7 +336,7 @@ def _fit_tents(
 
 
 def _index_bodies(grid: Grid, parts: Sequence[Layer]) -> NDArray[np.int8]:
-    """The body at the centre of each half cell, as in `Medium.body`."""
+    """`Medium.body`: the number of the body at the centre of each half cell."""
     lines = [(np.arange(2 * n) + 0.5) * h / 2 for n, h in zip(grid.shape, grid.spacing, strict=True)]
     x, z = np.meshgrid(lines[0], lines[-1], indexing="ij")
     index = np.zeros([len(line) for line in lines], np.int8)

@@ -7,9 +7,11 @@ and the tests find it there. READ means that the formula was checked in the name
 it; RECALLED that it is written from memory of the literature and should be compared with the paper before it is
 trusted.
 
-In flow that goes to and fro b grows by (1 + 7.5/KC), KC = |u_d| T/(n d). With KC where the water is, that share of
-b |u_d| u_d is linear in u_d, and does not know the grain: 7.5 beta (1-n)/(n^2 T), a part of a. So a law needs the
-period and no iteration. A KC of the amplitude U instead, b 7.5 n d/(U T) |u_d| u_d, does 8/(3 pi) of its work.
+In oscillating flow of period T, b grows by the factor (1 + 7.5/KC) with the Keulegan-Carpenter number
+KC = |u_d| T/(n d). If KC is taken from the local velocity, this share of b |u_d| u_d is linear in u_d and does not
+depend on the grain: it is 7.5 beta (1-n)/(n^2 T), a part of a. So a law needs the period and no iteration. Taken from
+the amplitude U of the velocity instead, the share b 7.5 n d/(U T) |u_d| u_d does 8/(3 pi) of the work. Section 2 of
+docs/theory.md, (6) and (6b).
 
 Comparison of the formulations: Dusterhoft-Wriggers, Larese, Onate & Rung (arXiv 2106.13267): the differences stay small
 for most applications, in particular for a porous Reynolds number u_d d50 / nu below 5000.
@@ -27,7 +29,7 @@ Pair = tuple[float, float]
 
 
 def to_and_fro(n: float, beta: float, period: float) -> float:
-    """7.5 beta (1-n)/(n^2 T): what (1 + 7.5/KC) adds to a with KC = |u_d| T/(n d) where the water is [1/s]."""
+    """Part of a [1/s] that the factor (1 + 7.5/KC) makes, with the local KC = |u_d| T/(n d): 7.5 beta (1-n)/(n^2 T)."""
     return 7.5 * beta * (1 - n) / (n**2 * period)
 
 
@@ -45,8 +47,8 @@ def van_gent_1995(
 def liu_1999(n: float, d: float, nu: float, alpha: float, beta: float, kc: float = inf, period: float = inf) -> Pair:
     """a = alpha (1-n)^2/n^3 nu/d^2 + 7.5 beta (1-n)/(n^2 T),  b = beta (1-n)/n^3 / d, T = max(1 s, period).
 
-    As van Gent with kc. The authors' codes take KC as at 0.01 m/s where the water is slower; there this is the larger
-    drag.
+    With kc it is van Gent's formula. The codes of the authors take KC as at 0.01 m/s where the water is slower; there
+    the drag of this formula is the larger one.
     """
     return van_gent_1995(n, d, nu, alpha, beta, kc, max(1.0, period))
 
@@ -91,13 +93,14 @@ def inertia_coefficient(n: float, added_mass: float = 0.34) -> float:
 
 @dataclass(frozen=True)
 class Law:
-    """A formula with the coefficients its authors published and the range they measured in.
+    """A formula with the coefficients that its authors published and the range in which they measured.
 
-    name          in the case file
-    formula       (n, d, nu, **coefficients) -> (a, b)
-    coefficients  name -> published value, inf = steady flow (KC)
-    porosity, diameter [m], reynolds (u_d d/nu)    range of the experiments behind it
+    name          name in the case file
+    formula       (n, d, nu, **coefficients) -> (a [1/s], b [1/m]), grain diameter d [m], kinematic viscosity nu [m2/s]
+    coefficients  name -> published value; inf for kc and period means steady flow
+    porosity, diameter [m], reynolds (u_d d/nu)    ranges of the experiments behind it
     status        READ or RECALLED, see the top of the module
+    note          what a user of the law should know besides
     """
 
     name: str
@@ -127,15 +130,16 @@ class Law:
 
     @property
     def knows_period(self) -> bool:
-        """True for a law that resists more in flow to and fro."""
+        """True for a law that resists more in oscillating flow."""
         return "period" in self.coefficients
 
     def taken(self, **given: float) -> dict[str, float]:
-        """The coefficients: published, but for those given; a period that is given stands in the place of kc."""
+        """The coefficients: the published ones, except those given; a period that is given replaces kc."""
         known = {**self.coefficients, **given}
         return {**known, "kc": inf} if known.get("period", inf) < inf and "kc" not in given else known
 
     def __call__(self, n: float, d: float, nu: float, **given: float) -> Pair:
+        """The pair a [1/s], b [1/m] for porosity n, grain diameter d [m], kinematic viscosity nu [m2/s]."""
         return self.formula(n, d, nu, **self.taken(**given))
 
 
@@ -211,7 +215,7 @@ LAWS: Choices[Law] = Choices(
 
 
 def steady_velocity(a: float, b: float, gradient: float, gravity: float = 9.81) -> float:
-    """Darcy velocity [m/s] at which a u + b u^2 = g i: steady flow under the hydraulic gradient i. inf without drag."""
+    """Darcy velocity u [m/s] of steady flow under the hydraulic gradient i [-]: a u + b u^2 = g i; inf without drag."""
     drive = gravity * gradient
     if a == 0 and b == 0:
         return inf

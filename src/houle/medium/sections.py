@@ -1,7 +1,7 @@
-"""Sections of the tank: what shapes cover of it, and how bodies and solids share it.
+"""Sections of the tank: the areas that shapes cover in it, and how porous bodies and solids share it.
 
-In 3D the tank is a stack of layers in y. The (x, z) section of every shape is the same throughout a layer, so areas of
-a layer are exact polygons, as in 2D, where there is one layer.
+In 3D the tank is a stack of layers in y. The (x, z) section of every shape is the same throughout a layer, so the areas
+in a layer are exact polygons, as in 2D, where there is one layer.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from houle.medium.shapes import EVERYWHERE, Shape, Span, Window, pieces
 class PorousBody:
     """A region of one porous material, as the water feels it.
 
-    The drag per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d. on_rate says that the added mass
-    stands before du/dt alone, and not before (u . grad) u.
+    The drag per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d. on_rate: whether the added mass
+    stands before du/dt alone, and not before (u . grad) u as well, (4b) in docs/theory.md.
     """
 
     name: str
@@ -41,7 +41,7 @@ class PorousBody:
 
 
 def layers(grid: Grid, shapes: Iterable[Shape]) -> list[Span]:
-    """The spans of y [m], from wall to wall, inside which the section of no shape changes; one span in 2D."""
+    """The layers: spans of y [m], from wall to wall, in each of which no section of a shape changes; one in 2D."""
     if grid.dimension == 2:
         return [EVERYWHERE]
     width = grid.size[1]
@@ -50,15 +50,15 @@ def layers(grid: Grid, shapes: Iterable[Shape]) -> list[Span]:
 
 
 def section(grid: Grid, shapes: Sequence[Shape], layer: Span = EVERYWHERE) -> shapely.Geometry:
-    """The part of the tank's (x, z) section that the shapes cover together in one of `layers` [m]."""
+    """The area of the (x, z) section of the tank that the shapes cover together in a layer, one of `layers`."""
     here = [s for s in pieces(shapes) if s.span[0] <= layer[0] and layer[1] <= s.span[1]]
     return shapely.union_all([s.section(_window(grid)) for s in here]) if here else shapely.Polygon()
 
 
 def repeated(grid: Grid, area: shapely.Geometry, mirrored: bool = False) -> shapely.Geometry:
-    """The area of a section with its copies beside the tank along periodic axes, in section coordinates [m].
+    """An area of the section together with its copies beside the tank along periodic axes [m].
 
-    mirrored adds its mirror images behind the walls.
+    mirrored: together with its mirror images behind the walls as well.
     """
     for a, axis in ((0, 0), (1, -1)) if not area.is_empty else ():
         size, unit = grid.size[axis], np.eye(2)[a]
@@ -72,13 +72,16 @@ def repeated(grid: Grid, area: shapely.Geometry, mirrored: bool = False) -> shap
 
 
 def _moved(area: shapely.Geometry, factor: FloatArray, shift: FloatArray) -> shapely.Geometry:
+    """An area with its points multiplied by a factor (2,) and moved by a shift (2,) [m]."""
     return shapely.transform(area, lambda points: factor * points + shift)
 
 
 class Layer(NamedTuple):
-    """One layer of the tank in y, and what stands in its section: disjoint areas [m].
+    """One layer of the tank in y, with disjoint areas in its section [m].
 
-    bodies holds one area for each porous body, in the order of the case, without what replaces the body there.
+    span    the y between which it lies [m]
+    solid   area of all solids
+    bodies  area of each porous body, in the order of the case, without the parts in which something replaces it
     """
 
     span: Span
@@ -89,9 +92,9 @@ class Layer(NamedTuple):
 def partition(
     grid: Grid, bodies: Sequence[PorousBody], solids: Sequence[Shape], also: Sequence[Shape] = ()
 ) -> list[Layer]:
-    """The layers of the tank, with disjoint sections: a solid replaces bodies, a body those before it.
+    """The layers of the tank with disjoint areas: a solid replaces bodies, a body replaces those before it.
 
-    also holds other shapes whose sections must not change inside a layer either.
+    also: other shapes whose sections must not change inside a layer either.
     """
     found = []
     for span in layers(grid, [*solids, *(b.shape for b in bodies), *also]):

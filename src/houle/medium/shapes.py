@@ -1,9 +1,9 @@
-"""Shapes of water, porous bodies and solids: which points they cover, how far off they are, their exact sections.
+"""Shapes of water, porous bodies and solids: the points that they cover, the distance to them, their exact sections.
 
-Every shape is a section in the (x, z) plane; in 3D it is that section over a span of y (a box has its own span, a
-polygon and a level reach over all y). So the union, difference and overlap of shapes are exact: layer by layer in y
-(the section does not change inside a layer), with polygon algebra in the section (shapely). `integrals.py` integrates
-over the result. A shape is closed: its boundary belongs to it.
+Every shape is an area in the (x, z) plane; in 3D it is that area over a span of y (a box has its own span, a polygon
+and a level reach over all y). So the union, difference and overlap of shapes are exact: in each layer of y, in which no
+section changes, they follow from polygon algebra (shapely). `integrals.py` integrates over the result. A shape is
+closed: its boundary belongs to it.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import shapely
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
-Span = tuple[float, float]  # of y; everything in 2D
-Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max
-SLIVER = 1e-12  # of the box around a ring: a face that is smaller comes from rounding
+Span = tuple[float, float]  # least and largest y [m]; `EVERYWHERE` in 2D
+Window = tuple[float, float, float, float]  # x_min, z_min, x_max, z_max [m]
+SLIVER = 1e-12  # share of the box around a ring: a smaller face comes from rounding
 EVERYWHERE: Span = (-np.inf, np.inf)
 
 
@@ -65,7 +65,7 @@ class Box:
 
     def distance(self, points: ArrayLike) -> FloatArray:
         x = np.asarray(points, float)
-        beyond = np.maximum(np.subtract(self.lower, x), np.subtract(x, self.upper))  # of each pair of sides
+        beyond = np.maximum(np.subtract(self.lower, x), np.subtract(x, self.upper))  # distance beyond a side, per axis
         return np.linalg.norm(np.maximum(beyond, 0), axis=-1) + np.minimum(beyond.max(axis=-1), 0)
 
     def section(self, window: Window) -> shapely.Geometry:
@@ -131,11 +131,11 @@ class Union:
 
 
 def enclosed(corners: Sequence[tuple[float, float]]) -> shapely.Geometry:
-    """Area that a ring of corners encloses once, going one way round: a polygon, or several joined by mere lines.
+    """The area inside a ring of corners, listed once around: a polygon, or several that lines join.
 
     Corners may repeat or lie on a line, and the ring may go back along itself, as a surveyed bed does that is closed
-    along the floor: what is enclosed is the same without. Raises ValueError where the ring crosses itself, with the
-    place, and where it encloses nothing.
+    along the floor: all this does not change the area. Raises ValueError where the ring crosses itself, with the place,
+    and where it encloses nothing.
     """
     ring = np.asarray(corners, float)
     outline = shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon()
@@ -167,7 +167,7 @@ def _turns(ring: FloatArray, place: shapely.Point) -> int:
 
 
 def _crossing(ring: FloatArray, face: shapely.Polygon) -> tuple[float, float]:
-    """A corner of the face that is none of the ring, where two of its edges cross; else any corner."""
+    """A place (x, z) where edges of the ring cross: the corner of the face that is farthest from those of the ring."""
     found = shapely.get_coordinates(face)
     far = shapely.distance(shapely.points(found), shapely.multipoints(ring))
     x, z = found[np.argmax(far)]
@@ -183,7 +183,7 @@ def pieces(shapes: Iterable[Shape]) -> list[Shape]:
 
 
 def polygons(area: shapely.Geometry) -> NDArray[np.object_]:
-    """The polygons in a geometry, without the lines and points in which shapes may touch."""
+    """The polygons in a geometry, without the lines and points where shapes only touch."""
     parts = shapely.get_parts(shapely.get_parts(area))
     return parts[(shapely.get_type_id(parts) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(parts)]
 
@@ -195,7 +195,7 @@ def covers(area: shapely.Geometry, x: FloatArray, z: FloatArray) -> NDArray[np.b
 
 
 def spans_inside(area: shapely.Geometry, x: float) -> list[tuple[float, float]]:
-    """Lower and upper ends [m] of the pieces of the upright line at x that lie in the area, upwards."""
+    """Lower and upper ends [m] of the pieces of the upright line at x that lie in the area, the lowest first."""
     low, high = shapely.bounds(area)[[1, 3]]
     if not low < high:
         return []

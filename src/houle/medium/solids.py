@@ -1,9 +1,9 @@
-"""The outline of the solids, edge by edge, for the particles: what lies inside, and which way is out.
+"""The outline of the solids, edge by edge: it tells particles whether they are inside, and the way out.
 
-A distance that is interpolated between nodes rounds the corners off, by a fifth of a cell where three edges meet: so
-much water then stands inside. Here each cell of the section that solids reach into has a list of edges that holds the
-one nearest to any of its points: the nearest edge tells inside from outside, and the way out, to round-off. In 3D there
-is one section for each layer in y.
+A distance field that is interpolated between nodes would round the corners off, by a fifth of a cell where three edges
+meet, and so much water would stand inside. Instead, each cell of the section into which solids reach has a list of
+edges, and the edge nearest to any point of the cell is among them. The nearest edge tells inside from outside, and the
+way out, to round-off (decision 0013). In 3D there is one section for each layer in y.
 """
 
 from __future__ import annotations
@@ -26,11 +26,14 @@ ON_OUTLINE = 1e-6  # [spacings] a face nearer to the outline lies on it
 
 
 class Outline(NamedTuple):
-    """The union of the solids, which goes on behind a domain wall as its mirror image, or repeats: a wall is no edge.
+    """The outline of the union of the solids.
 
-    start  (layers nx nz + 1) where the list of each cell of each section begins in `number`, int64
-    number edges of the lists, int32; none for a cell that no solid reaches into
-    edge   (E, 8) x and z of both ends [m], the solid on the left, and the mean outward normal at both
+    Behind a wall of the domain the solids go on as their mirror images, or repeat: so a wall is no edge of them.
+
+    start  (layers nx nz + 1) int64: begin of the list of each cell of each section in `number`
+    number int32: the lists, numbers of edges; a cell into which no solid reaches has an empty one
+    edge   (E, 8) x and z of both ends [m], the solid on the left, and at both the mean outward normal of the two edges
+           that meet there
     top    (layers,) largest y of each layer [m], infinite in 2D
     """
 
@@ -63,8 +66,9 @@ class Outline(NamedTuple):
 class ClosedFaces(NamedTuple):
     """The closed faces of one axis from which water beside a solid interpolates its velocity.
 
-    face (N,) int64 numbers in the flat field; place (N, 2 d + 1): normal out of the solid, the point in the water one
-    spacing beyond the outline along it [m], depth of the face's centre in the solid [spacings], at most 1.
+    face   (N,) int64: flat numbers of the faces
+    place  (N, 2 d + 1): unit normal out of the solid; the point in the water one spacing beyond the outline along it
+           [m]; depth of the centre of the face in the solid [spacings], at most 1
     """
 
     face: NDArray[np.int64]
@@ -72,7 +76,7 @@ class ClosedFaces(NamedTuple):
 
 
 def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_faces: SingleFaces) -> list[ClosedFaces]:
-    """The closed faces of every axis near the water. A centre on the outline has the axis as its normal."""
+    """The closed faces of every axis near the water. Where the centre lies on the outline, the normal is the axis."""
     d, spacing, found = grid.dimension, min(grid.spacing), []
     for axis in range(d):
         beside, near = _beside(grid, open_cells, axis)
@@ -95,7 +99,7 @@ def closed_faces(grid: Grid, outline: Outline, open_cells: FloatArray, open_face
 
 
 def _beside(grid: Grid, open_cells: FloatArray, axis: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Faces of an axis with an open cell on one side at least, and those that a particle in some open cell sees."""
+    """Masks of the faces of an axis: with an open cell on one side at least; seen by a particle in some open cell."""
     beside = near = open_cells > 0.0
     for a, periodic in enumerate(grid.periodic):
         wide, own = widened(near, a, periodic), widened(beside, a, periodic)
@@ -115,7 +119,7 @@ def _edges(area: shapely.Geometry) -> FloatArray:
             along = np.diff(corner, axis=0)
             outward = np.stack([along[:, 1], -along[:, 0]], axis=1)
             outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-            mean = outward + np.roll(outward, 1, axis=0)  # where each edge begins
+            mean = outward + np.roll(outward, 1, axis=0)  # outward normal at the start of each edge
             mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
             found.append(np.concatenate([corner[:-1], corner[1:], mean, np.roll(mean, -1, axis=0)], axis=1))
     return np.concatenate(found)

@@ -1,11 +1,13 @@
-"""Thin solids: water on the two sides of a plate shares no cell.
+"""Thin solids are thickened to a cell, so that water on the two sides of a plate shares no cell.
 
-A cell has one fill, one pressure and one velocity on each face, and a particle gives to all within a cell. Where a
-plate is thinner, water on its one side pushed and carried that on the other: a third of it went through a plate in a
-second, and a film beside the tip of a wedge gained energy. So no window as large as a cell, wherever it lies on the
-lattice of half cells, may be parted: where a solid parts the open space of one, all of it counts as solid. A plate is
-then one cell thick at least, and as it is drawn where it is thicker; a solid thicker than a cell is changed at its tips
-only.
+A cell has one fill, one pressure and one velocity on each face, and a particle gives to everything within a cell. If a
+plate is thinner than a cell, water on one side pushes and carries the water on the other: a third of it went through a
+plate in a second, and a film beside the tip of a wedge gained energy. The rule is therefore (decision 0021): take a
+window as large as a cell, anywhere on the lattice of half cells. If a solid parts the open space in it, so that the
+parts do not touch, the whole window counts as solid. A plate is then at least one cell thick, and as it is drawn where
+it is thicker; a solid thicker than a cell is changed at its tips only.
+
+Slits that are narrower than a tenth of a cell count as closed.
 """
 
 from __future__ import annotations
@@ -25,34 +27,36 @@ from houle.medium.integrals import cut_all, edges
 from houle.medium.sections import layers, repeated, section
 from houle.medium.shapes import EVERYWHERE, Box, Shape, Span, Union, covers, polygons
 
-CRUMB = 1e-9  # of a window: less open space is no part of it; a face beside more may be open (`porous.CLOSED`)
-SLIT = 0.1  # cells: a slit less wide is closed, for the pressure would drive water of whole cells at its faces
-BEHIND = 1e-3  # of a window: less open space on one side of a slit is none
-BEVEL = 1.5  # of half a slit: how far the corners of solids reach where slits are looked for
-NEAR = 1e-6  # [cells]
+CRUMB = 1e-9  # share of a window: less open space is no part; a face beside more may be open (`medium.CLOSED`)
+SLIT = 0.1  # cells: a narrower slit is closed, as the pressure would drive the water of whole cells at its faces
+BEHIND = 1e-3  # share of a window: less open space than this on one side of a slit does not count
+BEVEL = 1.5  # limit of mitres at the corners of solids that are widened to find slits [half widths of a slit]
+NEAR = 1e-6  # [cells] shorter lengths are round-off
 
-Lines = tuple[FloatArray, FloatArray]  # between windows along x and z [m]
+Lines = tuple[FloatArray, FloatArray]  # places of the lines between windows along x and along z [m]
 
 
 @dataclass(frozen=True)
 class Thickened(Union):
-    """A solid, the first part, with the windows that it parts."""
+    """A solid together with the windows that it parts and that so count as solid: the first part is the solid."""
 
     @property
     def drawn(self) -> Shape:
+        """The solid as it is drawn in the case."""
         return self.parts[0]
 
     @property
     def windows(self) -> Union:
+        """The windows that count as solid."""
         return Union(self.parts[1:])
 
 
 def thickened(grid: Grid, solids: Sequence[Shape]) -> tuple[Shape, ...]:
-    """The solids, each with the windows that it parts; where there are several, the one nearest to their middle."""
+    """The solids, each with the windows that it parts; a window belongs to the solid nearest to its middle."""
     return _thickened(grid, tuple(solids))
 
 
-@lru_cache(maxsize=8)  # the pre-flight, the run and each of its pictures ask for the same ones
+@lru_cache(maxsize=8)  # the check, the run and each of its pictures ask for the same solids
 def _thickened(grid: Grid, solids: tuple[Shape, ...]) -> tuple[Shape, ...]:
     whole = list(solids)
     for shift in product((0.0, 0.5), repeat=grid.dimension) if solids else ():
@@ -73,7 +77,7 @@ def _thickened(grid: Grid, solids: tuple[Shape, ...]) -> tuple[Shape, ...]:
 
 
 def _joined(boxes: Iterable[Box], axis: int) -> list[Box]:
-    """The boxes, those that follow each other along an axis as one."""
+    """The boxes, with those that follow each other along an axis joined to one."""
 
     def others(box: Box) -> tuple[float, ...]:
         ends = np.delete(np.array([box.lower, box.upper]), axis, axis=1)
@@ -92,8 +96,8 @@ def _joined(boxes: Iterable[Box], axis: int) -> list[Box]:
 def parted_windows(grid: Grid, solids: Sequence[Shape], shift: Sequence[float]) -> Iterator[tuple[Span, Box]]:
     """Windows whose open space has parts that do not touch, each with a layer in y in which a solid is.
 
-    shift: of the windows from the cells (d,) [cells]; those at a wall are cut there, those at the seam of a periodic
-    axis are whole and come in two. In 3D a window is as long in y as the same layers go on.
+    shift: displacement of the windows from the cells (d,) [cells]. Windows at a wall are cut there; those at the seam
+    of a periodic axis are whole and come as two boxes. In 3D windows through which the same layers go are joined in y.
     """
     spans, lines = layers(grid, solids), (_lines(grid, 0, shift[0]), _lines(grid, -1, shift[-1]))
     areas = [repeated(grid, section(grid, solids, span)) for span in spans]
@@ -123,7 +127,7 @@ def parted_windows(grid: Grid, solids: Sequence[Shape], shift: Sequence[float]) 
 
 
 def _lines(grid: Grid, axis: int, shift: float) -> FloatArray:
-    """Ends of the windows along an axis [m]; the first one of a periodic axis begins before its seam."""
+    """Ends of the windows along an axis [m]; on a periodic axis a shifted first window begins before the seam."""
     inner = np.array((np.arange(grid.shape[axis] + 1) + shift) * grid.spacing[axis], float)
     if shift == 0.0:
         return inner
@@ -153,7 +157,7 @@ def _put(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ...
 
 
 def _blocks(area: shapely.Geometry, lines: Lines) -> list[shapely.Geometry]:
-    """Part of an area around each column of windows, and somewhat more, so that there is less to go through."""
+    """The part of an area around each column of windows, and some more: less to search than the whole area."""
     (x, z), found = lines, []
     count = len(x) - 1
     several = int(np.ceil(np.sqrt(count)))
@@ -166,7 +170,7 @@ def _blocks(area: shapely.Geometry, lines: Lines) -> list[shapely.Geometry]:
 
 
 def _without_slits(grid: Grid, spans: Sequence[Span], areas: Sequence[shapely.Geometry]) -> list[shapely.Geometry]:
-    """The areas (of `repeated`) of the layers and what is open between them, or beside walls, less wide than `SLIT`."""
+    """The areas of the layers (of `repeated`) with the slits between them and at walls, narrower than `SLIT`."""
     radius = 0.5 * SLIT * min(grid.spacing[0], grid.spacing[-1])
     ends = [(-size, 2.0 * size) if wraps else (0.0, size) for size, wraps in zip(grid.size, grid.periodic, strict=True)]
     tank = shapely.box(ends[0][0], ends[-1][0], ends[0][1], ends[-1][1])
@@ -175,7 +179,7 @@ def _without_slits(grid: Grid, spans: Sequence[Span], areas: Sequence[shapely.Ge
     for area in areas:
         grown = _buffer(shapely.union_all([area, walls]), radius)
         found.append(area if area.is_empty else _buffer(grown, -radius))
-    if grid.dimension == 3:  # and across y, in layers less thick than that
+    if grid.dimension == 3:  # slits across y are layers thinner than `SLIT`
         whole = list(found)
         for n, (low, high) in enumerate(spans):
             if high - low < SLIT * grid.spacing[1]:
@@ -195,15 +199,17 @@ def _plain(areas: Iterable[shapely.Geometry]) -> list[shapely.Geometry]:
 
 
 def _has_slits(grid: Grid, closed: shapely.Geometry, area: shapely.Geometry) -> bool:
+    """True if an area differs from `closed`, which is the same without slits."""
     least = CRUMB * grid.spacing[0] * grid.spacing[-1]
     return bool((shapely.area(polygons(shapely.difference(closed, area))) > least).any())
 
 
 def _parts(open_: NDArray[np.object_], closed: list[shapely.Geometry], least: FloatArray) -> list[NDArray[np.object_]]:
-    """The polygons of the open space (W,) of windows; those that only slits join each, where there are some.
+    """The open parts of each of W windows: polygons that touch no other one, or touch it by a slit only.
 
-    closed: the solids at each window without their slits, none if they have none; least (W,) [m2]: less behind a slit
-    is none.
+    open_   (W,) open space of the windows
+    closed  solids at each window without their slits; empty if there are no slits
+    least   (W,) parts behind a slit that are smaller than this do not count [m2]
     """
     one = (shapely.get_type_id(open_) == shapely.GeometryType.POLYGON) & ~shapely.is_empty(open_)
     whole = [open_[w : w + 1] if one[w] else polygons(area) for w, area in enumerate(open_)]
@@ -214,7 +220,7 @@ def _parts(open_: NDArray[np.object_], closed: list[shapely.Geometry], least: Fl
 
 
 def _split(whole: NDArray[np.object_], wide: shapely.Geometry, least: float) -> NDArray[np.object_]:
-    """The polygons of the open space of a window, those that only a slit joins each; `wide` is without slits."""
+    """The open parts of a window: its polygons, split where only a slit joins them. wide: open space without slits."""
     parts = polygons(wide)
     parts = parts[shapely.area(parts) > least]
     if len(parts) < 2:
@@ -227,7 +233,7 @@ def _split(whole: NDArray[np.object_], wide: shapely.Geometry, least: float) -> 
 def _edges_in(grid: Grid, area: shapely.Geometry, lines: Lines, shift: tuple[float, float]) -> NDArray[np.intp]:
     """Number of edges of an area that run through each window of a section."""
     shape = (len(lines[0]) - 1, len(lines[1]) - 1)
-    piece, edge = cut_all(edges(area, (0.5 * grid.spacing[0], 0.5 * grid.spacing[-1])))  # in half cells: on all lines
+    piece, edge = cut_all(edges(area, (0.5 * grid.spacing[0], 0.5 * grid.spacing[-1])))  # cut at shifted lines too
     window = np.floor(0.5 * piece.mean(axis=1) + shift).astype(np.intp)
     inside = ((window >= 0) & (window < shape)).all(axis=1)
     through = np.unique(np.column_stack([edge, window])[inside], axis=0)[:, 1:]
@@ -242,9 +248,9 @@ def _middles(area: shapely.Geometry, lines: Lines) -> NDArray[np.bool_]:
 
 
 def _stacks(grid: Grid, spans: Sequence[Span], shift: float) -> Iterator[tuple[list[int], FloatArray, Span]]:
-    """Runs of windows in y through which the same layers go.
+    """Runs of windows along y through which the same layers go.
 
-    Each comes as the numbers of its layers, their widths in it [m], and the span of the windows [m].
+    For each run: the numbers of the layers, their widths in y within the run [m], and the span of the run in y [m].
     """
     if grid.dimension == 2:
         yield [0], np.ones(1), EVERYWHERE
@@ -269,9 +275,11 @@ def _stacks(grid: Grid, spans: Sequence[Span], shift: float) -> Iterator[tuple[l
 
 
 def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: float) -> bool:
-    """True where the open polygons of the layers of a window make more than one part of its space.
+    """True for a window whose open polygons, layer by layer, make more than one part of its space.
 
-    width is that of each layer inside the window [m], window the area of its section [m2].
+    layer   open polygons of the window in each of its layers
+    width   width in y of each layer inside the window [m]
+    window  area of the section of the window [m2]
     """
     part = [(n, p) for n, found in enumerate(layer) for p in found]
     if len(part) < 2:
@@ -287,15 +295,15 @@ def _is_parted(layer: Sequence[NDArray[np.object_]], width: FloatArray, window: 
 
 
 def solid_windows(grid: Grid, solids: Sequence[Shape]) -> list[Box]:
-    """Windows that count as solid besides the solids as they are drawn."""
+    """The windows that count as solid in addition to the solids as they are drawn."""
     whole = [solid for solid in thickened(grid, solids) if isinstance(solid, Thickened)]
     return [box for solid in whole for box in solid.windows.parts if isinstance(box, Box)]
 
 
 def closed_passage(grid: Grid, open_: shapely.Geometry, windows: shapely.Geometry) -> tuple[float, float] | None:
-    """Place (x, z) [m] in a section at which the windows that count as solid first part the open space in two.
+    """Place (x, z) [m] in a section where windows that count as solid close a passage of the open space.
 
-    Both parts are larger than a cell. None where the windows close no passage.
+    They part the open space there in two parts that are both larger than a cell. None where no passage is closed.
     """
     least = grid.spacing[0] * grid.spacing[-1]
     for space in polygons(open_):

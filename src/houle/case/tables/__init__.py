@@ -1,1 +1,1 @@
-"""The tables of a case file, one model each: keys, units, ranges. They know the file, not the physics of the whole."""
+"""The tables of a case file, one model each, with keys, units and ranges. They do not know the physics of the whole."""

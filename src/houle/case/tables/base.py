@@ -1,4 +1,4 @@
-"""What the tables of a case file have in common."""
+"""The base of the tables of a case file, and the kinds of values that several of them have."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Point2 = Annotated[tuple[float, float], Field(strict=False)]
 
 
 class Table(BaseModel):
-    """A table of the case file: nothing unknown, nothing converted, nothing infinite, nothing changed later."""
+    """Base of the tables: no unknown keys, no conversion of types, no infinite numbers, no change after reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
@@ -30,11 +30,11 @@ class OneOf:
 
     @property
     def allowed(self) -> list[str]:
-        """The names that there are."""
+        """The names of the choices."""
         return list(choices(self.kind))
 
     def check(self, value: object) -> str:
-        """Returns the name of a choice. Raises PydanticKnownError for anything else."""
+        """The value, if it is the name of a choice. Raises PydanticKnownError for anything else."""
         if isinstance(value, str) and value in choices(self.kind):
             return value
         raise PydanticKnownError("literal_error", {"expected": ", ".join(self.allowed)})
@@ -47,7 +47,7 @@ class OneOf:
 
 
 def is_a_box(box: tuple[Point, Point]) -> None:
-    """Raises ValueError where the corners are not the lower and the upper one of a box."""
+    """Raises ValueError if the corners are not the lower and the upper one of a box."""
     low, high = box
     if len(low) != len(high):
         raise ValueError(f"box has corners of {len(low)} and {len(high)} numbers: both need the same")

@@ -1,4 +1,4 @@
-"""What stands at the ends of the water, moves, lets it through or damps: [[gate]] [[open]] [[sponge]] [[absorber]].
+"""Boundaries of the water besides its makers of waves: [[gate]] [[open]] [[sponge]] [[absorber]].
 
 A boundary of `houle.boundary` is made from the keys of its table, by the row of the same name (`houle.registry`). To
 add one, write its class and row there, and here its table and its line of `Boundaries`.
@@ -20,22 +20,22 @@ from houle.data.history import History, Record, read_history
 from houle.errors import CaseError
 from houle.registry import choices
 
-COLUMNS = {"velocity": "velocity_m_s", "discharge": "discharge_m2_s", "level": "level_m"}  # of open.file
-LEAST = 2  # rows of open.file
+COLUMNS = {"velocity": "velocity_m_s", "discharge": "discharge_m2_s", "level": "level_m"}  # key -> column in open.file
+LEAST = 2  # fewest rows in open.file
 
 
 class Standing(Table):
-    """A table of a boundary. prefix: of the names that tables get when they give none; "" where they have no names."""
+    """Base of the tables of boundaries. prefix: beginning of the names of tables that give none; "" without names."""
 
     prefix: ClassVar[str] = ""
 
     def keys(self, folder: Path) -> dict[str, Any]:
-        """What the boundary is made from: its keys; files lie in `folder`. Raises CaseError for one that is no good."""
+        """The arguments of `BoundaryKind.make`: the keys of the table. Raises CaseError for a bad file in `folder`."""
         return {key: getattr(self, key) for key in type(self).model_fields}
 
 
 class Gate(Standing):
-    """[[gate]]: a thin plate across the domain at x, lifted. It and its lower edge stand on the nearest grid lines."""
+    """[[gate]]: a thin plate across the tank that is lifted. It and its lower edge stand on the nearest grid lines."""
 
     x: float = Field(description="position [m]")
     speed: float = Field(gt=0, le=100, description="upward speed of its lower edge [m/s]")
@@ -43,7 +43,7 @@ class Gate(Standing):
 
 
 class Absorber(Standing):
-    """[[absorber]]: a wall across the tank that gives way to the waves that reach it: active absorption."""
+    """[[absorber]]: a wall across the tank that gives way to the waves that reach it (active absorption)."""
 
     prefix = "absorber-"
 
@@ -56,7 +56,8 @@ class Absorber(Standing):
         default=None,
         gt=0,
         le=1e5,
-        description="wave period that it takes up whole; that of [waves] when left out, else long waves [s]",
+        description="period of the waves that it absorbs best; that of [waves] when left out, without [waves] that of "
+        "long waves [s]",
     )
 
 
@@ -124,7 +125,7 @@ class Open(Standing):
 
 
 def records(table: Open, folder: Path) -> dict[str, Record]:
-    """What an open side prescribes against time, by the keys of COLUMNS. Raises CaseError."""
+    """The records that an open side prescribes, by the keys of COLUMNS. Raises CaseError for a bad file."""
     if table.file is None:
         constant = {key: getattr(table, key) for key in COLUMNS if getattr(table, key) is not None}
         return {key: Record(np.zeros(1), np.array([value])) for key, value in constant.items()}
@@ -133,7 +134,7 @@ def records(table: Open, folder: Path) -> dict[str, Record]:
 
 
 def history(table: Open, folder: Path) -> tuple[list[str], History]:
-    """What the file of an open side holds: keys of COLUMNS, their values on the clock of the run. Raises CaseError."""
+    """Keys of COLUMNS in the file of an open side, and their values on the clock of the run. Raises CaseError."""
     file, key = folder / str(table.file), f"open.{table.side}.file"
     require_file(file, key)
     there = {name: column for name, column in COLUMNS.items() if column in header(file, key)}
@@ -146,7 +147,7 @@ def history(table: Open, folder: Path) -> tuple[list[str], History]:
 
 
 class Sponge(Standing):
-    """[[sponge]]: takes up waves on their way to the side of the tank that it touches."""
+    """[[sponge]]: absorbs waves on their way to the side of the tank that it touches."""
 
     prefix = "sponge-"
 
@@ -168,7 +169,7 @@ class Sponge(Standing):
 
 
 class Boundaries(Table):
-    """The tables of a case that say what stands in the tank besides bodies."""
+    """The tables of a case about everything in the tank besides water, bodies and instruments."""
 
     open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
     gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
@@ -178,6 +179,6 @@ class Boundaries(Table):
 
     @property
     def standing(self) -> list[tuple[str, Standing]]:
-        """The tables of boundaries, with the key of each; that of the maker is in [waves]."""
+        """All tables of boundaries with their keys, but for the maker of waves, which is in [waves]."""
         keys = [key for key in type(self).model_fields if key in choices("boundary")]
         return [(key, table) for key in keys for table in getattr(self, key)]

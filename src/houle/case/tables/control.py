@@ -1,4 +1,4 @@
-"""How it is computed and written: [time] [numerics] [output]."""
+"""The course of the computation and its output: [time] [numerics] [output]."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from houle.registry import choices
 
 
 class Time(Table):
-    """[time]"""
+    """[time]: end of the run, and the length of its steps."""
 
     end: float = Field(gt=0, le=1e6, description="simulated time [s]", examples=[2.0])
     courant: float = Field(
@@ -43,7 +43,7 @@ class Numerics(Table):
     )
     kernel: Annotated[str, OneOf("kernel")] = Field(default="linear", description="transfer kernel")
     remesh: Annotated[str, OneOf("remesh")] = Field(
-        default="conservative", description="how particles are made regular again"
+        default="conservative", description="how particles are replaced by new ones on a regular lattice"
     )
     remesh_every: int = Field(default=5, ge=1, description="least number of steps between remeshings")
     correction: float = Field(
@@ -76,7 +76,7 @@ class Numerics(Table):
 
 
 class Output(Table):
-    """[output]"""
+    """[output]: intervals at which results are written."""
 
     every: float = Field(default=0.05, gt=0, description="interval of fields and surface profiles [s]")
     series_every: float = Field(default=0.005, gt=0, description="interval of gauges, sensors and ledger [s]")

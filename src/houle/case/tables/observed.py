@@ -1,8 +1,8 @@
-"""What is observed during a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]].
+"""The observables of a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]].
 
 `Observed` lists the tables. An observer in `houle.observe` names the table that asks for it, and its instruments have
-the same keys. A table says what it must agree with in the rest of the case in `disagreements`; where an instrument may
-stand is the check of the instrument.
+the same keys. `disagreements` of a table checks it against the rest of the case file; the instrument itself checks the
+place where it stands.
 """
 
 from __future__ import annotations
@@ -15,21 +15,18 @@ from pydantic import Field, model_validator
 from houle.case.messages import nearest
 from houle.case.tables.base import Name, Point, Point2, Table
 
-Bodies = Mapping[str, tuple[str, ...]]  # names of the bodies of a kind, "porous" and "solid"
+Bodies = Mapping[str, tuple[str, ...]]  # "porous" or "solid" -> names of these bodies
 
 
 class Row(Table):
-    """A table of something observed.
-
-    prefix  of the names that the tables get when they give none
-    """
+    """Base of the tables of observables. prefix: beginning of the names of tables that give none."""
 
     prefix: ClassVar[str]
 
     name: Name = ""
 
     def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
-        """What does not agree with the rest of the case: the key, "" for the whole table, and what to do about it."""
+        """Contradictions to the rest of the case: pairs of key, "" for the whole table, and text with the cure."""
         yield from ()
 
 
@@ -59,7 +56,7 @@ class Sensor(Row):
 
 
 class RunUp(Row):
-    """[[runup]]: where the water ends on a slope or at a wall."""
+    """[[runup]]: the end of the connected water on a slope or at a wall."""
 
     prefix = "R"
 
@@ -71,7 +68,7 @@ class RunUp(Row):
 
 
 class Overtopping(Row):
-    """[[overtopping]]: water that comes over a crest."""
+    """[[overtopping]]: volume of water that comes over a crest."""
 
     prefix = "O"
 
@@ -139,7 +136,7 @@ class Flux(Row):
 
 
 class Observed(Table):
-    """The tables of a case that say what is observed, in the order in which it is."""
+    """The tables of observables of a case, in the order in which they are sampled."""
 
     gauge: Annotated[tuple[Gauge, ...], Field(strict=False, description="free surface gauges")] = ()
     sensor: Annotated[tuple[Sensor, ...], Field(strict=False, description="pressure and velocity sensors")] = ()
@@ -167,7 +164,7 @@ def _as_many_numbers(key: str, point: tuple[float, ...] | None, dimension: int) 
 
 
 def _named(body: str | None, bodies: Bodies, *kinds: str) -> Iterator[tuple[str, str]]:
-    """What is wrong with the name of a body, which one body of these kinds should have."""
+    """An error if not exactly one body of these kinds has this name."""
     names = [name for kind in kinds for name in bodies[kind]]
     if body is None or names.count(body) == 1:
         return

@@ -1,4 +1,4 @@
-"""What is made of the results: [reflection] [reference]."""
+"""The evaluation of the results: [reflection] [reference]."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from houle.case.tables.base import Table
 
 
 class Reflection(Table):
-    """[reflection]: how much of the waves the structure sends back, lets through and swallows, said at the end."""
+    """[reflection]: how much of the waves the structure reflects, transmits and dissipates, at the end of the run."""
 
     structure: Annotated[
         tuple[float, ...],
@@ -29,7 +29,7 @@ class Reflection(Table):
         tuple[str, ...], Field(strict=False, description="names of the gauges behind it; without any there is no C_T")
     ] = ()
     method: Literal["zelt-skjelbreia", "mansard-funke", "goda-suzuki", "jh2020"] = Field(
-        default="zelt-skjelbreia", description="how incident and reflected waves are told apart, see docs/analysis.md"
+        default="zelt-skjelbreia", description="how incident and reflected waves are separated, see docs/analysis.md"
     )
     window: Annotated[tuple[float, float], Field(strict=False)] | None = Field(
         default=None,

@@ -1,4 +1,4 @@
-"""The tank and what is in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]]"""
+"""The tank, the water and the bodies in it: [case] [domain] [fluid] [[water]] [[porous]] [[solid]]"""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from houle.grid import Grid
 from houle.medium.resistance import LAWS
 
 Side = Literal["slip", "no-slip"]
-MOST_CELLS = 1e15  # in a domain: they can be numbered; whether they can be held the checks say
+MOST_CELLS = 1e15  # most cells in a domain: more cannot be counted; the checks say whether memory holds them
 
 
 class Head(Table):
-    """[case]"""
+    """[case]: name and title."""
 
     name: Name = Field(
         description="short name of the case and of its result folder: letters, digits, hyphens, underscores, points"
@@ -26,7 +26,7 @@ class Head(Table):
 
 
 class Walls(Table):
-    """domain.walls: one word for every side, or a table. Opposite sides are joined by x = "periodic" (y in 3D)."""
+    """domain.walls: one word for all sides, or a table of sides. x = "periodic" joins left and right (y in 3D)."""
 
     left: Side = Field(default="slip", description="side x = 0")
     right: Side = Field(default="slip", description="side x = size[0]")
@@ -58,7 +58,7 @@ class Walls(Table):
         return self
 
     def no_slip(self, dimension: int) -> tuple[tuple[bool, bool], ...]:
-        """Per axis, last up: whether the low and the high side hold the water back along them."""
+        """Per axis, the last one up: whether the low and the high side are no-slip walls."""
         pairs = [("left", "right"), ("front", "back"), ("bottom", "top")]
         chosen = pairs if dimension == 3 else [pairs[0], pairs[2]]
         return tuple((getattr(self, a) == "no-slip", getattr(self, b) == "no-slip") for a, b in chosen)
@@ -69,7 +69,7 @@ class Walls(Table):
 
 
 class Domain(Table):
-    """[domain]: a box from the origin. Two sizes: 2D (x, z); three: 3D (x, y, z)."""
+    """[domain]: a box with one corner at the origin. Two sizes make it 2D (x, z), three 3D (x, y, z)."""
 
     size: Annotated[
         tuple[Annotated[float, Field(gt=0, le=1e5)], ...],
@@ -113,7 +113,7 @@ class Domain(Table):
 
     @property
     def periodic(self) -> tuple[bool, ...]:
-        """Per axis, last up."""
+        """Per axis, the last one up: whether its two sides are joined."""
         joined = [self.walls.x is not None, self.walls.y is not None]
         return (*joined[: self.dimension - 1], False)
 
@@ -123,7 +123,7 @@ class Domain(Table):
 
 
 class Fluid(Table):
-    """[fluid]"""
+    """[fluid]: properties of the water, and the forces that act on all of it."""
 
     density: float = Field(default=1000.0, ge=100, le=20000, description="density of the water [kg/m3]")
     viscosity: float = Field(default=1.0e-6, ge=0, lt=0.1, description="kinematic viscosity [m2/s]")
@@ -135,7 +135,7 @@ class Fluid(Table):
 
 
 class Shape(Table):
-    """One of box, polygon, below. Several tables of the same kind add up to their union."""
+    """A region: one of box, polygon, below. Several tables of the same kind add up to their union."""
 
     box: Annotated[tuple[Point, Point], Field(strict=False)] | None = Field(
         default=None, description="lower and upper corner [[x, z], [x, z]], 3D [[x, y, z], [x, y, z]] [m]"
@@ -150,9 +150,9 @@ class Shape(Table):
     def one_shape(self) -> Shape:
         given = [k for k in ("box", "polygon", "below") if getattr(self, k) is not None]
         if len(given) != 1:
-            held = " and ".join(given) + " are given together" if given else "no shape is given"
+            stated = " and ".join(given) + " are given together" if given else "no shape is given"
             raise ValueError(
-                f": {held}; give exactly one of box = [[x, z], [x, z]], polygon = [[x, z], ...], below = level"
+                f": {stated}; give exactly one of box = [[x, z], [x, z]], polygon = [[x, z], ...], below = level"
             )
         if self.box is not None:
             is_a_box(self.box)
@@ -160,7 +160,7 @@ class Shape(Table):
 
 
 class Water(Shape):
-    """[[water]]: where water stands at the start. Inside a porous body it fills the pores."""
+    """[[water]]: a region that holds water at the start; inside a porous body the water fills its pores."""
 
     velocity: Point | None = Field(
         default=None, description="Darcy velocity at the start, per axis; at rest when left out [m/s]"
@@ -168,7 +168,7 @@ class Water(Shape):
 
 
 class Solid(Shape):
-    """[[solid]]: impermeable."""
+    """[[solid]]: an impermeable body."""
 
     prefix: ClassVar[str] = "solid-"
 
@@ -197,7 +197,7 @@ class Resistance(Table):
     period: float | None = Field(
         default=None,
         gt=0,
-        description="period of the flow to and fro, for KC from the velocity at each place; that of [waves] when left "
+        description="period of oscillating flow, for KC from the velocity at each place; that of [waves] when left "
         "out, steady flow without waves [s]",
     )
     a: float | None = Field(
@@ -211,7 +211,7 @@ class Resistance(Table):
 
     @property
     def given(self) -> dict[str, float]:
-        """Coefficients of the law that the file states itself."""
+        """The coefficients of the law that the table gives."""
         return {k: v for k in ("alpha", "beta", "kc", "period") if (v := getattr(self, k)) is not None}
 
     @model_validator(mode="after")
@@ -225,8 +225,8 @@ class Resistance(Table):
             for keys in (("law",), ("a", "b"), ("permeability", "forchheimer"))
         ]
         if [len(w) for w in ways] not in ([1, 0, 0], [0, 2, 0], [0, 0, 2]):
-            held = ", ".join(k for w in ways for k in w) or "nothing"
-            raise ValueError(f": {held} given; give law = ..., or both a and b, or both permeability and forchheimer")
+            stated = ", ".join(k for w in ways for k in w) or "nothing"
+            raise ValueError(f": {stated} given; give law = ..., or both a and b, or both permeability and forchheimer")
         extra = set(self.given) - set(LAWS[self.law].coefficients if self.law else {})
         if extra:
             raise ValueError(f"{min(extra)} does not belong to {self.law or 'coefficients given directly'}: remove it")
@@ -252,7 +252,8 @@ class Porous(Shape):
     )
     added_mass: float = Field(default=0.34, ge=0, le=10, description="gamma in C_r = 1 + gamma (1-n)/n [-]")
     added_mass_on: Literal["motion", "rate"] = Field(
-        default="motion", description='what C_r stands before: "motion", all of Du/Dt; "rate", du/dt at a place alone'
+        default="motion",
+        description='term that C_r multiplies: "motion", all of Du/Dt; "rate", the local du/dt alone',
     )
 
     @model_validator(mode="after")

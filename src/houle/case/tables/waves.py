@@ -1,7 +1,7 @@
 """The table [waves] of a case file.
 
-Keys of a kind that does not use them are errors. Every message of the models starts with the key it is about, as in
-tables/; `case_errors.explain` puts the table's name before it.
+A key that the kind of waves does not use is an error. Every message of the models starts with the key that it is
+about; `messages.explain` puts the name of the table before it.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from houle.case.tables.base import OneOf, Point2, Table
 from houle.registry import choices
 from houle.waves.wave import GAMMA
 
-CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # what only some kinds take
+CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # keys of some kinds only
 MAKERS = ("source", "zone", "piston")
 
 
 class Focus(Table):
-    """waves.focus: where and when the crest stands."""
+    """waves.focus: place and time of the crest of a focused or solitary wave."""
 
     x: float = Field(description="position of the crest [m]")
     time: float = Field(ge=0, description="time of the crest [s]")
 
 
 class Source(Table):
-    """waves.source: waves made by a force inside the water; they run out to both sides, or are let out on one."""
+    """waves.source: waves made by a force inside the water; they travel to both sides, or to one."""
 
     x: float = Field(description="middle of the source [m]")
     width: float | None = Field(
@@ -39,11 +39,11 @@ class Source(Table):
         description="regular waves with all their harmonics; or the first alone, with the group velocity of linear "
         "theory or by the paper's eq. (5); sums of linear waves are linear with either of the first two",
     )
-    side: Literal["both", "left", "right"] = Field(default="both", description="where the waves go")
+    side: Literal["both", "left", "right"] = Field(default="both", description="side to which the waves travel")
 
 
 class Zone(Table):
-    """waves.zone: relaxation zone, the flow is led towards the wave between x[0] and x[1]."""
+    """waves.zone: a relaxation zone, which leads the flow towards the wave between x[0] and x[1]."""
 
     x: Point2 = Field(description="from, to; the wave is that of theory at the first and free at the second [m]")
 
@@ -58,16 +58,16 @@ class Zone(Table):
 
 
 class Piston(Table):
-    """waves.piston: a wall across the tank that moves along x; the water is to its right, none is behind it."""
+    """waves.piston: a wall across the tank that moves along x; the water is to its right, and none is behind it."""
 
     x: float = Field(gt=0, description="where it stands at rest, on the nearest face of the grid [m]")
     absorb: bool = Field(
-        default=False, description="whether it also takes up the waves that come back, by the pressure on its face"
+        default=False, description="whether it also absorbs the waves that come back, by the pressure on its face"
     )
 
 
 class Waves(Table):
-    """[waves]"""
+    """[waves]: the waves of a case and their maker, one of source, zone, piston."""
 
     kind: Annotated[str, OneOf("waves")] = Field(description="kind of waves")
     theory: Annotated[str, OneOf("theory")] = Field(
@@ -119,7 +119,7 @@ class Waves(Table):
         "three and a half usual steps [s]",
     )
     focus: Focus | None = Field(
-        default=None, description="where and when the crest of a focused or solitary wave stands"
+        default=None, description="place and time of the crest of a focused or solitary wave {x, time}"
     )
     ramp: float | None = Field(
         default=None,
@@ -143,9 +143,9 @@ class Waves(Table):
             found.append(f'theory = "{self.theory}" does not give kind = "{self.kind}": see `houle describe theories`')
         given = [key for key in MAKERS if getattr(self, key) is not None]
         if len(given) != 1:
-            held = " and ".join(given) + " are given together" if given else "nothing makes the waves"
+            stated = " and ".join(given) + " are given together" if given else "nothing makes the waves"
             ways = "source = {x = ...}, zone = {x = [from, to]}, piston = {x = ...}"
-            found.append(f": {held}; give exactly one of {ways}")
+            found.append(f": {stated}; give exactly one of {ways}")
         if self.current and self.source is not None and (self.source.side, self.source.form) != ("both", "linear"):
             found.append(
                 f'current = {self.current:g}: a source makes waves on a current with side = "both", form = "linear" '
@@ -162,7 +162,7 @@ class Waves(Table):
 
     @model_serializer(mode="wrap")
     def written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without the defaults of keys that its kind does not take: what is written can be read back."""
+        """The table without the defaults of keys that its kind does not use, so that it can be read back."""
         kind = choices("waves")[self.kind]
         allowed = {*kind.needs, *kind.takes}
         return {key: value for key, value in handler(self).items() if key in allowed or key not in CHOSEN}
@@ -181,16 +181,16 @@ class Waves(Table):
 
     @property
     def maker(self) -> Source | Zone | Piston:
-        """The one that is given."""
+        """The maker that the table gives."""
         return next(m for m in (self.source, self.zone, self.piston) if m is not None)
 
     @property
     def place(self) -> float:
-        """Where the waves come from [m]: the middle of the source, the left end of the zone, the piston at rest."""
+        """Place of the maker [m]: middle of the source, left end of the zone, or piston at rest."""
         return self.maker.x[0] if isinstance(self.maker, Zone) else self.maker.x
 
     def ramp_time(self) -> float:
-        """Time in which the waves grow [s]; use `wave.ramp(t, ramp_time)`."""
+        """Time in which the waves grow from nothing to their height [s]."""
         if self.ramp is not None:
             return self.ramp
         return 2 * self.period if self.period is not None and self.kind != "focused" else 0.0

@@ -1,6 +1,6 @@
-"""The tables of a case file together: the order in which they are written out, and what must fit together in them.
+"""All tables of a case file: the order in which they are written out, and their consistency with each other.
 
-A table looks at its own keys. Here are dimensions, names, and tables that need others.
+A table checks its own keys. Here are the checks of dimensions, of names, and of tables that need others.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from houle.case.tables.observed import Observed
 from houle.case.tables.results import Reference, Reflection
 from houle.case.tables.tank import Domain, Fluid, Head, Porous, Solid, Water
 
-WEAK = 1e-3  # [m/s2] gravity that makes no waves worth the name
+WEAK = 1e-3  # [m/s2] a weaker gravity makes no waves
 
 
 class Tank(Table):
@@ -34,7 +34,7 @@ class Tank(Table):
 
 
 class Course(Table):
-    """The tables of a case about the course of the run and what is made of its results."""
+    """The tables of a case about the course of the run and the evaluation of its results."""
 
     time: Time
     numerics: Numerics = Numerics()
@@ -48,13 +48,13 @@ class Tables(Course, Observed, Boundaries, Tank):
 
 
 def prefixes(case: type[Tables]) -> dict[str, str]:
-    """The tables whose rows have names that must differ, and the prefix of those that are left out."""
+    """Keys of the tables whose rows have names, and the prefix of the names of those that give none."""
     rows = {key: (*get_args(info.annotation), None)[0] for key, info in case.model_fields.items()}
     return {key: row.prefix for key, row in rows.items() if getattr(row, "prefix", "")}
 
 
 def disagreements(case: Tables) -> list[str]:
-    """One line per finding: key, value, cure."""
+    """All contradictions between the tables of a case, one line each: key, value, cure."""
     d, found = case.domain.dimension, []
     for key in ("water", "porous", "solid", "sponge"):
         for i, shape in enumerate(getattr(case, key)):
@@ -87,13 +87,13 @@ def disagreements(case: Tables) -> list[str]:
     if case.reflection is not None and case.waves is not None and case.waves.current:
         found.append(
             f"reflection: waves.current = {case.waves.current:g} m/s: incident and reflected waves have other lengths "
-            "on a current and cannot be taken apart; remove [reflection]"
+            "on a current and cannot be separated; remove [reflection]"
         )
     return found + _reflection_fits(case)
 
 
 def _observables_fit(case: Tables) -> list[str]:
-    """Messages on tables of observables that contradict the rest of the case."""
+    """Contradictions between tables of observables and the rest of the case."""
     bodies = {"porous": tuple(b.name for b in case.porous), "solid": tuple(b.name for b in case.solid)}
     return [
         f"{messages.place((key, i, *word.split()), case.__dict__)} {text}"
@@ -104,13 +104,13 @@ def _observables_fit(case: Tables) -> list[str]:
 
 
 def _reflection_fits(case: Tables) -> list[str]:
-    """Messages on [reflection] against waves, gauges and the tank."""
+    """Contradictions between [reflection] and waves, gauges and tank."""
     asked = case.reflection
     if asked is None:
         return []
     if case.waves is None or case.waves.kind in ("solitary", "focused", "series"):
-        held = "there are no [waves]" if case.waves is None else f'waves.kind = "{case.waves.kind}"'
-        return [f"reflection needs regular or irregular waves, {held}: remove [reflection]"]
+        stated = "there are no [waves]" if case.waves is None else f'waves.kind = "{case.waves.kind}"'
+        return [f"reflection needs regular or irregular waves, {stated}: remove [reflection]"]
     place = {gauge.name: gauge.x for gauge in case.gauge}
     named = [("gauges", name) for name in asked.gauges] + [("behind", name) for name in asked.behind]
     found = [
