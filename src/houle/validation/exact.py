@@ -1,4 +1,4 @@
-"""Exact solutions the solver is held against, in NumPy: no dependency beyond the package, no solver of ours inside.
+"""Exact solutions to compare the solver with, in NumPy: no dependency beyond the package, no solver of ours inside.
 
 A rigid porous medium of porosity n resists with a u_d + b |u_d| u_d per unit mass and has the inertia coefficient C_r
 (1 without added mass). With the Darcy velocity q = u_d = n u the one-dimensional momentum balance is
@@ -25,8 +25,9 @@ from houle.grid import FloatArray
 
 @dataclass(frozen=True)
 class PorousMedium:
-    """porosity [-], a [1/s] and b [1/m] of the drag a u_d + b |u_d| u_d, inertia C_r [-]; whether the added mass stands
-    before du/dt alone.
+    """A porous medium: porosity [-], a [1/s] and b [1/m] of the drag a u_d + b |u_d| u_d, inertia C_r [-].
+
+    on_rate: true if the added mass stands before du/dt alone.
     """
 
     porosity: float
@@ -111,7 +112,7 @@ def dispersion(wave_number: float, depth: float, gravity: float = 9.81) -> float
 
 
 def wave_number(frequency: float, depth: float, gravity: float = 9.81) -> float:
-    """[rad/m] of a small wave of this angular frequency [rad/s]: Newton on omega^2 = g k tanh(k d), to round-off."""
+    """Wave number [rad/m] of a small wave of this frequency [rad/s]: omega^2 = g k tanh(k d) solved to round-off."""
     target = frequency**2 / gravity
     k = target / np.sqrt(np.tanh(target * depth))
     for _ in range(50):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def read_points(path: Path) -> Any:
-    """A CSV with # comments and a line of names: a structured array, one field per name."""
+    """Reads a CSV with # comments and a line of names as a structured array, one field per name."""
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     return np.genfromtxt(lines, delimiter=",", names=True)
 
@@ -70,7 +70,7 @@ def fundamental(eta: xr.DataArray, length: float) -> FloatArray:
 
 
 def sliding_amplitude(time: FloatArray, signal: FloatArray, period: float) -> tuple[FloatArray, FloatArray]:
-    """Sinusoid fitted, with a mean, to the period around each quarter period: centres [s] and amplitudes."""
+    """Centres [s] and amplitudes of sinusoids, with a mean, fitted to the period around every quarter period."""
     centres = np.arange(time[0] + period / 2, time[-1] - period / 2 + 1e-9, period / 4)
     angle = 2.0 * np.pi / period * time
     basis = np.stack([np.cos(angle), np.sin(angle), np.ones_like(angle)], axis=1)
@@ -97,7 +97,7 @@ def mean_period(time: FloatArray, signal: FloatArray) -> float:
 
 
 def noise(time: FloatArray, signal: FloatArray, above: float = 20.0) -> float:
-    """Root mean square of what an evenly sampled signal holds above a frequency [Hz], mirrored at its ends."""
+    """Root mean square of the part of an evenly sampled signal above a frequency [Hz]; it is mirrored at its ends."""
     both = np.concatenate([signal, signal[::-1]])
     spectrum = np.fft.rfft(both)
     spectrum[np.fft.rfftfreq(len(both), time[1] - time[0]) < above] = 0.0

@@ -1,4 +1,4 @@
-"""The medium of a porous body of a case, as the exact solutions want it."""
+"""The medium of a porous body of a case, as the exact solutions take it."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ BIAS = 2.5  # standard errors of the mean of the records: larger by chance once 
 
 
 def checks(run: Run, seed: int = 1) -> list[Check]:
-    """Error of C_R without noise; mean error, scatter and share of good 95 % intervals with it."""
+    """Checks of C_R: error without noise; with noise mean error, scatter, and share of 95 % intervals that hold it."""
     case, wave = run.case, reflection.wave_of(run.case)
     assert case.reflection is not None
     asked = set(case.reflection.gauges)

@@ -14,7 +14,7 @@ HEAD = ("variant", "what", "measured", "unit", "target", "reached", "note")
 
 
 def write(path: Path, title: str, rows: Iterable[tuple[str, Check]]) -> None:
-    """path.csv and path.md, one line per check, labelled with its variant."""
+    """Writes path.csv and path.md, one line per check, labelled with its variant."""
     lines = [
         (label, c.name, f"{c.value:.6g}", c.unit, c.target, "" if not c.target else "yes" if c.passed else "no", c.note)
         for label, c in rows
@@ -23,7 +23,7 @@ def write(path: Path, title: str, rows: Iterable[tuple[str, Check]]) -> None:
 
 
 def save(path: Path, title: str, head: Sequence[str], lines: Sequence[Sequence[str]]) -> None:
-    """path.csv and path.md of a table of words."""
+    """Writes a table of words as path.csv and path.md."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([head, *lines])
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def window(run: Run) -> tuple[float, float]:
-    """The last periods [s]."""
+    """The window of the measurement, the last PERIODS periods of a run: start and end [s]."""
     end, period = float(run.series.time[-1]), wave_of(run.case).period
     return end - PERIODS * period - 0.01 * period, end
 
@@ -40,8 +40,9 @@ def card(run: Run, gauges: Sequence[str] | None = None, towards: float = 1.0) ->
 
 
 def second_harmonic(run: Run, back: bool) -> FloatArray:
-    """Amplitudes [m] of the part bound to the first harmonic, of free waves of twice the frequency to the right and,
-    if asked for, to the left. The last look like bound ones where gauges stand evenly, five to a wavelength.
+    """Amplitudes [m] of the second harmonic: bound to the first, free to the right and, if asked for, to the left.
+
+    Free waves to the left look like bound ones where gauges stand evenly, five to a wavelength.
     """
     wave = wave_of(run.case)
     late = run.series.sel(time=slice(*window(run)))

@@ -1,4 +1,4 @@
-"""Does the bank hold? Exit gradient, Shields number, lag of the phreatic line."""
+"""Stability of the bank: exit gradient, Shields number, lag of the phreatic line."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from houle.results.run import Run
 
 SLOPE = math.atan(1 / 2.5)
-ABOVE = 0.15  # m, of the velocity sensor over the face
-SCHIJF = 0.203  # m, drawdown of the ship; the record holds half of it
+ABOVE = 0.15  # height of the velocity sensor over the face [m]
+SCHIJF = 0.203  # drawdown of the ship [m]; the record holds half of it
 
 VARIANTS = (Variant("", quick=False), Variant("dx-200-mm", {"domain.spacing": 0.2}))
 

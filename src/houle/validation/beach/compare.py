@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 RECORD = read_points(Path(__file__).parent / "data" / "heights.csv")
 BREAKING = int(np.argmax(RECORD["height_m"]))  # the gauge with the largest height
-PERIODS = 6  # at the end
+PERIODS = 6  # periods at the end over which means are taken
 
 VARIANTS = (
     Variant("", quick=False),

@@ -10,7 +10,7 @@ from houle.validation.measure import largest
 if TYPE_CHECKING:
     from houle.results.run import Run
 
-LATE = 4.0  # s at the end, over which is averaged
+LATE = 4.0  # time at the end over which means are taken [s]
 DISCHARGE, LEVEL = 2.0, 1.0  # %, mm
 
 VARIANTS = (

@@ -15,12 +15,12 @@ from houle.waves import dispersion
 if TYPE_CHECKING:
     from houle.results.run import Run
 
-PERIODS = 4  # measured
+PERIODS = 4  # periods that are measured
 LENGTH, HEIGHT, CURRENT = 1.0, 3.0, 2.0  # %
 
 
 def _current(speed: float) -> dict[str, Any]:
-    """Another current."""
+    """The case with another current [m/s]."""
     return {
         "water[0].velocity": [speed, 0.0],
         "waves.current": speed,
