@@ -21,7 +21,7 @@
 namespace {
 
 constexpr std::size_t stack_bytes = std::size_t{64} << 20;
-alignas(64) unsigned char body[1 << 16];  // of the loop under way
+alignas(64) unsigned char body[1 << 16];  // copy of the loop body that runs now
 unsigned char handler_stack[1 << 16];
 void* stack;
 ucontext_t program_side, machine_side;

@@ -72,7 +72,7 @@ inline bool check(bool good, const char* what, double value) {
   return good;
 }
 
-// Whether all is as it must be; says so on standard output.
+// Returns true if water at rest stays at rest to round-off; prints each check on standard output.
 template <int D>
 inline bool at_rest(const Grid<D>& g, double level) {
   constexpr int up = D - 1;
@@ -85,7 +85,7 @@ inline bool at_rest(const Grid<D>& g, double level) {
                                        spare.data(), order.data(), start.data());
   bool good = check(outside == -1 && start.back() == water.count(), "particles outside", static_cast<double>(outside));
 
-  // Where the water is.
+  // The surface and the fill of the cells.
   const std::vector<double> capacity(static_cast<std::size_t>(cells), 1.0 / g.cell_volume());
   const std::vector<std::int32_t> one(static_cast<std::size_t>(cells), 0);  // all cells are alike: open
   const std::vector<double> wide{1.0};

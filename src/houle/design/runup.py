@@ -11,7 +11,7 @@ from houle.design.overtopping import BAND, MOST_OBLIQUE, obliqueness
 from houle.design.sea import surf_similarity
 
 BREAKING = (1.65, 0.10)  # coefficient of (5.1) and its standard deviation
-SURGING = (1.0, 0.07)  # of (5.2)
+SURGING = (1.0, 0.07)  # factor of (5.2) and its standard deviation
 PERMEABLE = 1.97  # largest R_2%/H_m0 on a permeable core
 ROUGH = 0.60  # roughness factor up to which a slope counts as a rubble mound for oblique waves
 

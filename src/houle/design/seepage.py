@@ -29,9 +29,9 @@ from scipy.special import ellipkm1
 from houle.design.errors import DesignError
 from houle.design.formula import Answer, Input, formula, quantity
 
-POINTS = 81  # of the phreatic line
-CLOSE = 1e-10  # of the levels and the length, relative
-STEP = 0.2  # of log y
+POINTS = 81  # points of the phreatic line
+CLOSE = 1e-10  # relative error allowed in levels and length
+STEP = 0.2  # step of log y
 LOG_Y = np.arange(-345.0, 80.0, STEP)  # the integrands fall off like y below, like 1/y above
 TRIED = np.linspace(-12.0, 12.0, 9)  # first guesses of the parameters
 

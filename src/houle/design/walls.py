@@ -152,7 +152,7 @@ def _goda(
     head = 0.5 * (1 + c) * density * GRAVITY * wave_height
     eta, p1 = 0.75 * (1 + c) * wave_height, head * (a1 + a2 * c * c)
     p3, p4, pu = a3 * p1, p1 * max(0.0, 1 - crest / eta), head * a1 * a3
-    top = min(eta, crest)  # of the pressed part of the wall
+    top = min(eta, crest)  # the wall is pressed up to here
     moment = (p3 + 2 * p1) * foot**2 / 6 + (p1 + p4) * foot * top / 2 + (p1 + 2 * p4) * top**2 / 6
     return WallPressure(
         F=0.5 * (p1 + p3) * foot + 0.5 * (p1 + p4) * top,
