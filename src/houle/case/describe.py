@@ -187,7 +187,7 @@ def formula(console: Console, name: str) -> None:
 
 
 def _left_out(optional: bool, default: Any) -> str:
-    """What stands in the place of an input that is left out; "needed" where it cannot be."""
+    """The default of an input in words; "needed" for one that cannot be left out."""
     if not optional:
         return "needed"
     return "-" if default is None else str(default)

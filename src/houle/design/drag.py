@@ -1,4 +1,4 @@
-"""What an uncertain porosity and grain size do to the drag of a porous body.
+"""Effect of an uncertain porosity and grain size on the drag of a porous body.
 
 Porosity is seldom known better than to 0.02, and drag goes with (1-n)/n^3: an error of 0.02 is one of b of a fifth,
 whoever computes it and however well.
@@ -105,5 +105,5 @@ def drag_range(
 
 
 def _percent(end: float, value: float) -> str:
-    """How far an end of a range is from the value."""
+    """Distance of an end of a range from the value, in per cent of that."""
     return f"{100 * (end / value - 1):+.0f}" if value else "0"

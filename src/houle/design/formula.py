@@ -46,7 +46,7 @@ class Input:
 
     @property
     def told(self) -> str:
-        """What it is."""
+        """The quantity in words."""
         return self.what
 
     @property
@@ -75,7 +75,7 @@ class Choice:
 
     @property
     def told(self) -> str:
-        """What it is, and what it can be."""
+        """The choice in words, with the names that it can be."""
         return f"{self.what}: {', '.join(map(repr, self.names))}"
 
     def check(self, name: str, value: Any) -> None:
@@ -119,7 +119,7 @@ def _quantities(members: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Field
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a formula gives for one set of inputs, and how far it can be trusted.
+    """The answer of a formula for one set of inputs, and how far it can be trusted.
 
     low, high  band of the first number, NaN where the source gives none; `band` says what it is
     ratios     dimensionless numbers of the case: those that the range is about, and what else decides
@@ -240,13 +240,13 @@ class Formula:
 
     @property
     def inputs(self) -> dict[str, Input | Choice]:
-        """What the function takes, by the names of its arguments."""
+        """The inputs of the function, by the names of its arguments."""
         hints = get_type_hints(inspect.unwrap(self.function), include_extras=True)
         return {name: _told(hints[name]) for name in inspect.signature(self.function).parameters}
 
     @property
     def outputs(self) -> dict[str, tuple[str, str]]:
-        """What the answer holds: name to (what it is, unit)."""
+        """The numbers of the answer: name to (quantity in words, unit)."""
         kind: type[Answer] = get_type_hints(inspect.unwrap(self.function))["return"]
         return kind.quantities()
 

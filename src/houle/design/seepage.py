@@ -152,7 +152,7 @@ def _run(y: Real, p: Parameters) -> Real:
 
 
 def _along(y: Real, p: Parameters) -> Real:
-    """What rise and run have in common; roots are taken one by one, lest a product is smaller than any number."""
+    """The common factor of rise and run; roots are taken one by one, lest a product is smaller than any number."""
     return y / (np.sqrt(1 + y**2) * np.sqrt(p.below_alpha + y**2) * np.sqrt(p.below_beta + y**2))
 
 

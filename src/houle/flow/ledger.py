@@ -25,21 +25,21 @@ OPERATIONS = ("forces", "projection", "transfer", "advection", "exchange", "corr
 
 
 class Booked(Protocol):
-    """What a ledger reads of the flow whose energy it books: the water, its boundaries, its energies per density."""
+    """The part of a flow that its ledger reads: the water, its boundaries, its energies over density."""
 
     particles: Particles
     boundaries: Boundaries
 
     def kinetic_energy(self) -> float:
-        """That of the particles [m^d m2/s2]."""
+        """Kinetic energy of the particles over density [m^d m2/s2]."""
         ...
 
     def grid_kinetic_energy(self) -> float:
-        """That of the faces [m^d m2/s2]."""
+        """Kinetic energy on the faces over density [m^d m2/s2]."""
         ...
 
     def potential_energy(self) -> float:
-        """That of the particles [m^d m2/s2]."""
+        """Potential energy of the particles over density [m^d m2/s2]."""
         ...
 
 
