@@ -5,7 +5,6 @@
 // elsewhere in memory. A large table that is built once is made read-only (houle.grid.fixed) and checked once.
 #pragma once
 
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -28,21 +27,13 @@ using Field = Array<double>;        // written
 using Given = Array<const double>;  // read
 using Numbers = Array<const std::int32_t>;
 using LongNumbers = Array<const std::int64_t>;
-using Fields = std::vector<Field>;  // one per axis
-using Givens = std::vector<Given>;
+using Fields = Arrays<double>;  // one per axis
+using Givens = Arrays<const double>;
 using OptionalGiven = std::optional<Given>;
 using ListedField = std::pair<Numbers, Given>;  // number of each cell, values
 using OptionalListed = std::optional<ListedField>;
 
 // ---- functions ------------------------------------------------------------------------------------------------------
-
-[[noreturn]] inline void refuse(const std::string& text) { throw Unfit{text}; }
-
-[[noreturn]] inline void raise(const std::string& function, const Unfit& unfit) {
-  const std::string text = function + "(): " + unfit.text;
-  if (unfit.of_type) throw nb::type_error(text.c_str());
-  throw nb::value_error(text.c_str());
-}
 
 // What an argument of that C++ type must be, in words.
 template <class A>
@@ -60,7 +51,7 @@ struct Wanted {
 };
 template <class T>
 struct Wanted<Array<T>> {
-  static std::string words() { return std::string("an array of ") + number_name<T>(); }
+  static std::string words() { return std::string("an array of ") + number_name(number_of<T>()); }
 };
 template <class T>
 struct Wanted<std::optional<T>> {
@@ -70,6 +61,8 @@ template <class T>
 struct Wanted<std::vector<T>> {
   static std::string words() { return "a list, each of it " + Wanted<T>::words(); }
 };
+template <class T>
+struct Wanted<Arrays<T>> : Wanted<std::vector<Array<T>>> {};
 template <class T, std::size_t n>
 struct Wanted<std::array<T, n>> {
   static std::string words() { return std::to_string(n) + " values, each " + Wanted<T>::words(); }
@@ -85,55 +78,33 @@ struct Wanted<std::tuple<T...>> {
 template <class A, class B>
 struct Wanted<std::pair<A, B>> : Wanted<std::tuple<A, B>> {};
 
-// The first argument of a call that no function took, in the second of nanobind's two passes over the overloads: the
-// first one converts no numbers, and must be over. First: what it must be, void: anything.
-template <class First>
-struct Untaken {
-  nb::handle first;
+// An argument's type, for the message about a call that fits no function.
+struct Kind {
+  bool (*fits)(nb::handle value);
+  std::string (*words)();
+  bool optional;
 };
 
-// Says which argument of a call does not fit the function of that name with arguments A.
-template <class... A>
-struct Diagnosis {
-  std::string function;
-  std::vector<std::string> names;
+template <class T>
+bool fits_type(nb::handle value) {
+  nb::detail::make_caster<T> caster;
+  return caster.from_python(value, static_cast<std::uint32_t>(nb::detail::cast_flags::convert), nullptr);
+}
 
-  [[noreturn]] void operator()(nb::handle first, const nb::args& more, const nb::kwargs& named) const {
-    const std::size_t given = 1 + more.size();
-    if (given + named.size() > names.size())
-      raise(function, {"takes at most " + std::to_string(names.size()) + " arguments, not " +
-                           std::to_string(given + named.size()),
-                       true});
-    for (auto [key, value] : named)
-      if (std::find(names.begin(), names.end(), nb::cast<std::string>(key)) == names.end())
-        raise(function, {"has no argument " + nb::cast<std::string>(key), true});
-    std::size_t k = 0;
-    (check<A>(k++, first, more, named), ...);
-    raise(function, {"the arguments do not fit", true});
-  }
+template <class A, class T = std::remove_cvref_t<A>>
+constexpr Kind kind_of{&fits_type<T>, &Wanted<T>::words, nb::detail::has_arg_defaults_v<T>};
 
- private:
-  template <class Argument>
-  void check(std::size_t k, nb::handle first, const nb::args& more, const nb::kwargs& named) const {
-    using T = std::remove_cvref_t<Argument>;
-    constexpr bool optional = nb::detail::has_arg_defaults_v<T>;
-    nb::handle value = k == 0 ? first : nb::handle();
-    if (k > 0 && k <= more.size()) value = more[k - 1].ptr();
-    nb::object by_name;
-    if (!value && named.contains(names[k].c_str())) value = by_name = named[names[k].c_str()];
-    if (!value) return;  // left out: it has a default, or nanobind says so
-    nb::detail::make_caster<T> caster;
-    const bool none = value.is_none() && !optional;
-    if (!none && caster.from_python(value, static_cast<std::uint32_t>(nb::detail::cast_flags::convert), nullptr))
-      return;
-    PyErr_Clear();
-    raise(function, {names[k] + " must be " + Wanted<T>::words() + ", not " + described(value), true});
-  }
-};
+// Defines a second function of that name, which takes what the first did not and says which of its arguments does not
+// fit. names: of the arguments, among null pointers. of_2d: only where the first argument is a Grid2.
+void explain_misfits(nb::module_& m, const char* name, const Kind* kinds, std::initializer_list<const char*> names,
+                     bool of_2d);
 
-template <class Argument>
-inline void add_name(std::vector<std::string>& names, const Argument& extra) {
-  if constexpr (requires { extra.name_; }) names.emplace_back(extra.name_);
+template <class Extra>
+constexpr const char* name_of(const Extra& extra) {
+  if constexpr (requires { extra.name_; })
+    return extra.name_;
+  else
+    return nullptr;
 }
 
 // Defines a function of a module, or a method: the messages of what it refuses begin with its name, and an argument of
@@ -143,20 +114,13 @@ inline void define(Scope& scope, const char* name, F f, R (F::*)(First, A...) co
   scope.def(
       name,
       [f, name](First first, A... rest) -> R {
-        try {
-          return f(std::forward<First>(first), std::forward<A>(rest)...);
-        } catch (const Unfit& unfit) {
-          raise(name, unfit);
-        }
+        const Call call(name);
+        return f(first, rest...);
       },
       extra...);
   if constexpr (std::is_same_v<Scope, nb::module_>) {  // of a method's arguments nanobind lists all
-    std::vector<std::string> names;
-    (add_name(names, extra), ...);
-    const Diagnosis<First, A...> diagnosis{name, names};
-    using Kind = std::remove_cvref_t<First>;
-    scope.def(name,
-              [diagnosis](Untaken<Kind> of, nb::args more, nb::kwargs named) { diagnosis(of.first, more, named); });
+    static constexpr Kind kinds[] = {kind_of<First>, kind_of<A>...};
+    explain_misfits(scope, name, kinds, {name_of(extra)...}, std::is_same_v<std::remove_cvref_t<First>, Grid<2>>);
   }
 }
 
@@ -167,32 +131,17 @@ inline void define(Scope& scope, const char* name, F f, const Extra&... extra) {
 
 // ---- arrays ---------------------------------------------------------------------------------------------------------
 
-template <class T>
-[[noreturn]] inline void wrong_size(const View<T>& v, const std::string& name, const std::string& wanted) {
-  refuse(name + " has " + std::to_string(v.size) + " entries, shape " + v.shape_text() + ", wanted " + wanted);
-}
+[[noreturn]] void wrong_size(const Extent& v, const std::string& name, const std::string& wanted);
 
-inline std::string shape_text(const index* shape, int d) {
-  std::string text = "(";
-  for (int a = 0; a < d; ++a) text += (a ? ", " : "") + std::to_string(shape[a]);
-  return text + (d == 1 ? ",)" : ")");
-}
-
+// The numbers of an array of n entries; of one of that shape, or that lists as many in one row. of: what it holds.
+void* entries_of(const Extent& v, index n, const char* name);
+void* shaped(const Extent& v, const index* shape, int d, index n, const char* of, const char* name);
 // Whether the array has that shape, or lists as many entries in one row.
-template <class T>
-inline bool has_shape(const View<T>& v, const index* shape, int d, index size) {
-  if (v.size != size) return false;
-  if (v.dimensions == 1) return true;
-  bool same = v.dimensions == d;
-  for (int a = 0; same && a < d; ++a) same = v.shape[a] == shape[a];
-  return same;
-}
+bool has_shape(const Extent& v, const index* shape, int d, index size);
 
 template <class T>
 inline T* entries(const Array<T>& array, index n, const char* name) {
-  const auto v = array.view(name);
-  if (v.size != n) wrong_size(v, name, std::to_string(n));
-  return v.data;
+  return static_cast<T*>(entries_of(array.view(name), n, name));
 }
 
 template <class T>
@@ -202,10 +151,7 @@ inline T* entries(const std::optional<Array<T>>& array, index n, const char* nam
 
 template <int D, class T>
 inline T* cells(const Grid<D>& g, const Array<T>& array, const char* name) {
-  const auto v = array.view(name);
-  if (!has_shape(v, g.shape.data(), D, g.cells()))
-    wrong_size(v, name, "the " + std::to_string(g.cells()) + " cells of the grid, " + shape_text(g.shape.data(), D));
-  return v.data;
+  return static_cast<T*>(shaped(array.view(name), g.shape.data(), D, g.cells(), "cells", name));
 }
 
 template <int D, class T>
@@ -215,43 +161,32 @@ inline T* cells(const Grid<D>& g, const std::optional<Array<T>>& array, const ch
 
 template <int D, class T>
 inline T* columns(const Grid<D>& g, const Array<T>& array, const char* name) {
-  const auto v = array.view(name);
   const index n = g.cells() / g.shape[D - 1];
-  if (!has_shape(v, g.shape.data(), D - 1, n))
-    wrong_size(v, name, "the " + std::to_string(n) + " columns of the grid, " + shape_text(g.shape.data(), D - 1));
-  return v.data;
+  return static_cast<T*>(shaped(array.view(name), g.shape.data(), D - 1, n, "columns", name));
 }
 
 // One array per axis. none: there may be no arrays at all, which then are null.
+void faces_of(const index* cells, int d, const Handles& arrays, Number number, bool writable, const char* name,
+              bool none, void** data);
+
 template <int D, class T>
-inline std::array<T*, D> of_faces(const Grid<D>& g, const std::vector<Array<T>>& arrays, const char* name,
-                                  bool none = false) {
-  std::array<T*, D> data{};
-  if (none && arrays.empty()) return data;
-  if (arrays.size() != D)
-    refuse(std::string(name) + " needs one array per axis, " + std::to_string(D) + ", not " +
-           std::to_string(arrays.size()));
-  for (int a = 0; a < D; ++a) {
-    const auto v = arrays[a].view(name);
-    const auto shape = g.face_shape(a);
-    if (!has_shape(v, shape.data(), D, g.faces(a)))
-      refuse(std::string(name) + " does not fit the faces of axis " + std::to_string(a) + ": shape " + v.shape_text() +
-             ", wanted " + shape_text(shape.data(), D));
-    data[a] = v.data;
-  }
+inline std::array<T*, D> of_faces(const Grid<D>& g, const Arrays<T>& arrays, const char* name, bool none = false) {
+  void* found[D] = {};
+  faces_of(g.shape.data(), D, arrays, number_of<T>(), !std::is_const_v<T>, name, none, found);
+  std::array<T*, D> data;
+  for (int a = 0; a < D; ++a) data[a] = static_cast<T*>(found[a]);
   return data;
 }
 
 template <int D, class T>
-inline Faces<D, T> faces(const Grid<D>& g, const std::vector<Array<T>>& arrays, const char* name, bool none = false) {
+inline Faces<D, T> faces(const Grid<D>& g, const Arrays<T>& arrays, const char* name, bool none = false) {
   Faces<D, T> f;
   f.data = of_faces(g, arrays, name, none);
   return f;
 }
 
 template <int D, class T>
-inline ConstFaces<D, T> faces(const Grid<D>& g, const std::vector<Array<const T>>& arrays, const char* name,
-                              bool none = false) {
+inline ConstFaces<D, T> faces(const Grid<D>& g, const Arrays<const T>& arrays, const char* name, bool none = false) {
   ConstFaces<D, T> f;
   f.data = of_faces(g, arrays, name, none);
   return f;
@@ -264,42 +199,32 @@ struct Points {
   index n;
 };
 
+void require_points(const Extent& v, int d, const char* name);
+
 template <int D, class T>
 inline Points<D, T> points(const Array<T>& x, const char* name) {
   const auto v = x.view(name);
-  if (v.dimensions != 2 || v.shape[1] != D)
-    refuse(std::string(name) + " must have shape (N, " + std::to_string(D) + "), not " + v.shape_text());
-  if (v.shape[0] > std::numeric_limits<std::int32_t>::max())
-    refuse(std::string(name) + " has " + std::to_string(v.shape[0]) + " points: at most 2^31 - 1 can be numbered");
+  require_points(v, D, name);
   return {v.data, static_cast<index>(v.shape[0])};
 }
+
+void require_rows(const Extent& v, Py_ssize_t width, const char* name);
 
 // A table of rows of `width` numbers each, as an array of structs.
 template <class Row>
 inline Points<2, const Row> rows(const Given& table, const char* name) {
-  constexpr Py_ssize_t width = sizeof(Row) / sizeof(double);
   const auto v = table.view(name);
-  if (v.dimensions != 2 || v.shape[1] != width)
-    refuse(std::string(name) + " must have shape (K, " + std::to_string(width) + "), not " + v.shape_text());
+  require_rows(v, sizeof(Row) / sizeof(double), name);
   return {reinterpret_cast<const Row*>(v.data), static_cast<index>(v.shape[0])};
 }
 
-inline Paddles paddles_of(const OptionalGiven& table) {
-  static_assert(sizeof(Paddle) == 2 * sizeof(double));
-  if (!table) return {};
-  const auto all = rows<Paddle>(*table, "paddles");
-  return {all.data, static_cast<int>(all.n)};
-}
+Paddles paddles_of(const OptionalGiven& table);
+// x and lower edge of each, in a tank of that length.
+Gates gates_in(double length, const Given& table);
 
-// x and lower edge of each, in the tank.
 template <int D>
 inline Gates gates_of(const Grid<D>& g, const Given& table) {
-  static_assert(sizeof(Gate) == 2 * sizeof(double));
-  const auto all = rows<Gate>(table, "gates");
-  for (index k = 0; k < all.n; ++k)
-    if (!(all.data[k].x >= 0.0 && all.data[k].x <= g.h[0] * static_cast<double>(g.shape[0]) && all.data[k].bottom >= 0))
-      refuse("gates: one stands outside the tank, or its lower edge is below the floor");
-  return {all.data, static_cast<int>(all.n)};
+  return gates_in(g.h[0] * static_cast<double>(g.shape[0]), table);
 }
 
 template <int D>
@@ -325,26 +250,9 @@ bool known_table(const nb::handle& owner, const void* data, Table kind, index li
 void note_table(const nb::handle& owner, const void* data, Table kind, index limit);
 
 template <class T>
-inline void require_table(const View<T>& v, const char* name, Table kind, index limit) {
-  if (v.read_only && known_table(v.owner, v.data, kind, limit)) return;
-  bool wrong = false;
-  if (kind == Table::numbers || kind == Table::some) {
-    const std::remove_const_t<T> none = kind == Table::some ? -1 : 0;
-    std::remove_const_t<T> least = v.size > 0 ? v.data[0] : 0, most = least;
-    for (index i = 1; i < v.size; ++i) least = std::min(least, v.data[i]), most = std::max(most, v.data[i]);
-    wrong = v.size > 0 && (least < none || most >= limit);
-    if (wrong)
-      refuse(std::string(name) + " has numbers outside " + std::to_string(none) + " to " + std::to_string(limit - 1));
-  } else {
-    wrong = v.size < 1 || v.data[0] != 0 || v.data[v.size - 1] != limit;
-    const std::int64_t least = kind == Table::groups ? 1 : 0;
-    for (index i = 1; i < v.size; ++i) wrong |= v.data[i] < v.data[i - 1] + least;
-    if (wrong)
-      refuse(std::string(name) + " does not fit: it must grow from 0 to " + std::to_string(limit) +
-             (least ? " by one at least" : " and never fall"));
-  }
-  if (v.read_only) note_table(v.owner, v.data, kind, limit);
-}
+void require_table(const View<T>& v, const char* name, Table kind, index limit);
+extern template void require_table(const View<const std::int32_t>&, const char*, Table, index);
+extern template void require_table(const View<const std::int64_t>&, const char*, Table, index);
 
 // Numbers of rows of a table of `limit` rows.
 template <class T>
@@ -373,7 +281,7 @@ inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const cha
 
 // number of each cell, and for the linear kernel, list (K, D + 3), medium of the faces:
 // houle.medium.interfaces.Interfaces
-using OptionalInterfaces = std::optional<std::tuple<Numbers, Numbers, Given, std::vector<Array<const std::int8_t>>>>;
+using OptionalInterfaces = std::optional<std::tuple<Numbers, Numbers, Given, Arrays<const std::int8_t>>>;
 
 template <int D>
 inline Interfaces<D> interfaces_of(const Grid<D>& g, const OptionalInterfaces& interfaces) {
@@ -435,22 +343,3 @@ void bind_remesh(nb::module_& m);
 void bind_sph(nb::module_& m);
 
 }  // namespace houle
-
-namespace nanobind::detail {
-
-template <class First>
-struct has_arg_defaults<houle::Untaken<First>> : std::true_type {};  // None, too
-
-template <class First>
-struct type_caster<houle::Untaken<First>> {
-  NB_TYPE_CASTER(houle::Untaken<First>, const_name("object"))
-
-  bool from_python(handle given, std::uint32_t flags, cleanup_list*) noexcept {
-    if (!(flags & static_cast<std::uint32_t>(cast_flags::convert))) return false;
-    value.first = given;
-    if constexpr (std::is_same_v<First, houle::Grid<2>>) return isinstance<First>(given);
-    return true;
-  }
-};
-
-}  // namespace nanobind::detail

@@ -2,12 +2,14 @@
 //
 // Nothing is converted: an output of another type or layout would be written into a copy that nobody sees. What an
 // array lacks is said by the one who asks for its numbers, who knows the name of the argument.
+//
+// An argument is no more than a handle, and what looks into it is compiled once, in array.cpp: each function that is
+// bound takes a dozen arrays, and what it did with each by itself was half of the module and of the time to build it.
 #pragma once
 
 #include <nanobind/nanobind.h>
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <type_traits>
 
@@ -17,152 +19,135 @@ namespace houle {
 
 namespace nb = nanobind;
 
-// An argument that does not fit. Whoever binds the function puts its name before the text.
-struct Unfit {
-  std::string text;
-  bool of_type = false;  // TypeError, else ValueError
+// One call of a bound function, from its first line to its last: its name stands before every message, and the buffers
+// of its arrays are given back when it ends.
+class Call {
+ public:
+  explicit Call(const char* name) : outer_(current()), name_(name) { current() = this; }
+  ~Call() {
+    while (count_ > 0) PyBuffer_Release(&buffer_[--count_]);
+    current() = outer_;
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  static Call*& current();  // of this thread
+  const char* name() const { return name_; }
+  // The buffer of an object, null with a Python error if it has none like that.
+  Py_buffer* hold(nb::handle object, int flags);
+
+ private:
+  static constexpr int most = 64;  // buffers
+  Call* outer_;
+  const char* name_;
+  int count_ = 0;
+  Py_buffer buffer_[most];
 };
 
-template <class T>
-constexpr const char* number_name() {
-  using Number = std::remove_const_t<T>;
-  if constexpr (std::is_same_v<Number, double>) return "float64";
-  if constexpr (std::is_same_v<Number, float>) return "float32";
-  if constexpr (std::is_same_v<Number, std::int8_t>) return "int8";
-  if constexpr (std::is_same_v<Number, std::uint8_t>) return "uint8";
-  if constexpr (std::is_same_v<Number, std::int32_t>) return "int32";
-  if constexpr (std::is_same_v<Number, std::int64_t>) return "int64";
-}
+// Raises ValueError, or TypeError, in the name of the function that is called.
+[[noreturn]] void refuse(const std::string& text);
+[[noreturn]] void refuse_type(const std::string& text);
 
-// Whether the buffer protocol's name of a type means T: native, aligned.
-template <class T>
-inline bool is_number(const char* format, Py_ssize_t size) {
-  if (size != sizeof(T) || !format) return false;
-  if (*format == '@' || *format == '=') ++format;
-  if (!format[0] || format[1]) return false;
-  if constexpr (std::is_floating_point_v<T>) return std::strchr("fd", format[0]);
-  return std::strchr(std::is_signed_v<T> ? "bhilq" : "BHILQ", format[0]);
-}
-
-inline std::string text_of(nb::handle object) { return nb::str(object).c_str(); }
-
+std::string text_of(nb::handle object);
 // "a read-only float32 array of shape (3, 4), not C-contiguous", or the type of what is no array.
-inline std::string described(nb::handle given) {
-  try {
-    if (nb::hasattr(given, "dtype") && nb::hasattr(given, "shape") && nb::hasattr(given, "flags")) {
-      const nb::object flags = given.attr("flags");
-      const bool writable = nb::cast<bool>(flags.attr("writeable")), c = nb::cast<bool>(flags.attr("c_contiguous")),
-                 aligned = nb::cast<bool>(flags.attr("aligned"));
-      return std::string(writable ? "" : "read-only ") + text_of(given.attr("dtype")) + " array of shape " +
-             text_of(given.attr("shape")) + (c ? "" : ", not C-contiguous") + (aligned ? "" : ", not aligned");
-    }
-  } catch (const std::exception&) {  // whatever it is, it is no array
-  }
-  return given.is_none() ? "None" : text_of(given.type().attr("__name__"));
+std::string described(nb::handle given);
+std::string shape_text(const index* shape, int d);
+
+enum class Number { float64, float32, int8, uint8, int32, int64 };
+
+template <class T>
+constexpr Number number_of() {
+  using N = std::remove_const_t<T>;
+  if constexpr (std::is_same_v<N, double>) return Number::float64;
+  if constexpr (std::is_same_v<N, float>) return Number::float32;
+  if constexpr (std::is_same_v<N, std::int8_t>) return Number::int8;
+  if constexpr (std::is_same_v<N, std::uint8_t>) return Number::uint8;
+  if constexpr (std::is_same_v<N, std::int32_t>) return Number::int32;
+  if constexpr (std::is_same_v<N, std::int64_t>) return Number::int64;
 }
 
-// The numbers of an array while a function of the core works with them. T const: read only.
-template <class T>
-struct View {
-  T* data = nullptr;
+const char* number_name(Number number);
+
+// What is known of an array but the type of its numbers.
+struct Extent {
+  void* at = nullptr;
   index size = 0;
   int dimensions = 0;
   const Py_ssize_t* shape = nullptr;
   nb::handle owner;
   bool read_only = false;
 
-  std::string shape_text() const {
-    std::string text = "(";
-    for (int a = 0; a < dimensions; ++a) text += (a ? ", " : "") + std::to_string(shape[a]);
-    return text + (dimensions == 1 ? ",)" : ")");
-  }
+  std::string shape_text() const { return houle::shape_text(shape, dimensions); }
+};
+
+// Holds the buffer of an array until the call ends; refuses what is no C-contiguous array of those numbers.
+Extent extent_of(nb::handle given, Number number, bool writable, const char* name);
+
+// The numbers of an array while a function of the core works with them. T const: read only.
+template <class T>
+struct View : Extent {
+  T* data = nullptr;
 };
 
 template <class T>
-class Array {
- public:
-  using Number = std::remove_const_t<T>;
-
-  Array() = default;
-  Array(Array&& other) noexcept { swap(other); }
-  Array& operator=(Array&& other) noexcept {
-    swap(other);
-    return *this;
-  }
-  Array(const Array&) = delete;
-  Array& operator=(const Array&) = delete;
-  ~Array() { give_back(); }
-
-  void take(nb::handle given) noexcept {
-    give_back();
-    unfit_ = nb::object();
-    constexpr int flags = PyBUF_FORMAT | PyBUF_C_CONTIGUOUS | (std::is_const_v<T> ? 0 : PyBUF_WRITABLE);
-    if (PyObject_CheckBuffer(given.ptr()) && PyObject_GetBuffer(given.ptr(), &buffer_, flags) == 0) {
-      held_ = true;
-      const auto address = reinterpret_cast<std::uintptr_t>(buffer_.buf);
-      if (is_number<Number>(buffer_.format, buffer_.itemsize) && address % alignof(Number) == 0) return;
-      give_back();
-    }
-    PyErr_Clear();
-    unfit_ = nb::borrow(given);
-  }
+struct Array {
+  nb::handle given;
 
   View<T> view(const char* name) const {
-    if (!held_) {
-      const std::string writable = std::is_const_v<T> ? "" : ", writable";
-      throw Unfit{std::string(name) + " must be a C-contiguous array of " + number_name<T>() + writable + ", not " +
-                      (unfit_ ? described(unfit_) : std::string("nothing")),
-                  true};
-    }
-    return {static_cast<T*>(buffer_.buf),
-            static_cast<index>(buffer_.len / buffer_.itemsize),
-            buffer_.ndim,
-            buffer_.shape,
-            nb::handle(buffer_.obj),
-            buffer_.readonly != 0};
-  }
-
- private:
-  Py_buffer buffer_{};
-  bool held_ = false;
-  nb::object unfit_;  // what was given instead
-
-  void give_back() noexcept {
-    if (held_) PyBuffer_Release(&buffer_);
-    held_ = false;
-  }
-  void swap(Array& other) noexcept {
-    std::swap(buffer_, other.buffer_);
-    std::swap(held_, other.held_);
-    std::swap(unfit_, other.unfit_);
+    const Extent extent = extent_of(given, number_of<T>(), !std::is_const_v<T>, name);
+    return {extent, static_cast<T*>(extent.at)};
   }
 };
+
+// A list or tuple of arrays, one per axis; size: how many there are, of which three are kept.
+struct Handles {
+  nb::handle item[3];
+  std::size_t size = 0;
+
+  bool take(nb::handle given) noexcept;
+};
+
+template <class T>
+struct Arrays : Handles {
+  Array<T> operator[](std::size_t k) const { return {item[k]}; }
+};
+
+// The names of types in the stub.
+template <class T>
+constexpr auto array_in_stub() {
+  using nb::detail::const_name;
+  constexpr auto named = [](const auto& number) {
+    return const_name("numpy.typing.NDArray[numpy.") + number + const_name("]");
+  };
+  constexpr Number number = number_of<T>();
+  if constexpr (number == Number::float64) return named(const_name("float64"));
+  if constexpr (number == Number::float32) return named(const_name("float32"));
+  if constexpr (number == Number::int8) return named(const_name("int8"));
+  if constexpr (number == Number::uint8) return named(const_name("uint8"));
+  if constexpr (number == Number::int32) return named(const_name("int32"));
+  if constexpr (number == Number::int64) return named(const_name("int64"));
+}
 
 }  // namespace houle
 
 namespace nanobind::detail {
 
-// number_name for the type stub.
-template <class Number>
-constexpr auto number_in_stub() {
-  if constexpr (std::is_same_v<Number, double>) return const_name("float64");
-  if constexpr (std::is_same_v<Number, float>) return const_name("float32");
-  if constexpr (std::is_same_v<Number, std::int8_t>) return const_name("int8");
-  if constexpr (std::is_same_v<Number, std::uint8_t>) return const_name("uint8");
-  if constexpr (std::is_same_v<Number, std::int32_t>) return const_name("int32");
-  if constexpr (std::is_same_v<Number, std::int64_t>) return const_name("int64");
-}
-
 template <class T>
 struct type_caster<houle::Array<T>> {
-  using Taken = houle::Array<T>;
-  NB_TYPE_CASTER(Taken,
-                 const_name("numpy.typing.NDArray[numpy.") + number_in_stub<typename Taken::Number>() + const_name("]"))
+  NB_TYPE_CASTER(houle::Array<T>, houle::array_in_stub<T>())
 
   bool from_python(handle given, std::uint32_t, cleanup_list*) noexcept {
-    value.take(given);
+    value.given = given;
     return true;
   }
+};
+
+template <class T>
+struct type_caster<houle::Arrays<T>> {
+  NB_TYPE_CASTER(houle::Arrays<T>,
+                 const_name("collections.abc.Sequence[") + houle::array_in_stub<T>() + const_name("]"))
+
+  bool from_python(handle given, std::uint32_t, cleanup_list*) noexcept { return value.take(given); }
 };
 
 }  // namespace nanobind::detail

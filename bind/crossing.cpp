@@ -1,4 +1,5 @@
 // Bindings of crossing.hpp: particles and faces where water crosses from one porosity to another.
+#include <houle/compiled/lists.hpp>
 #include <houle/water/crossing.hpp>
 
 #include "medium.hpp"
@@ -39,7 +40,7 @@ static void bind_crossing(nb::module_& m) {
       "Bulk volume and inertia at the particles, linear from the cells and the faces.");
   define(
       m, "hold_faces",
-      [](G g, GivenMask active, ListedField open, ListedField contrast, double most, std::vector<Mask> held) {
+      [](G g, GivenMask active, ListedField open, ListedField contrast, double most, Arrays<std::uint8_t> held) {
         const std::uint8_t* wet = cells(g, active, "active");
         const Listed o = listed_of(g, open, "open"), c = listed_of(g, contrast, "contrast");
         const auto h = of_faces(g, held, "held");

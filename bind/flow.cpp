@@ -1,4 +1,5 @@
 // Bindings of surface, forces, projection, extrapolation, moving particles and sums.
+#include <houle/compiled/lists.hpp>
 #include <houle/pressure/projection.hpp>
 #include <houle/water/advect.hpp>
 #include <houle/water/energy.hpp>
@@ -212,7 +213,7 @@ static void bind_forces(nb::module_& m) {
 template <int D>
 static void bind_projection(nb::module_& m) {
   using G = const Grid<D>&;
-  using Singles = std::vector<Array<const float>>;
+  using Singles = Arrays<const float>;
   define(
       m, "pressure_system",
       [](G g, GivenMask active, Given depth, Singles open, Givens mobility, double step, Givens star, double least,
@@ -231,7 +232,7 @@ static void bind_projection(nb::module_& m) {
   define(
       m, "project",
       [](G g, GivenMask active, Given depth, Singles open, Givens mobility, double step, Given p, double least,
-         Fields u, std::vector<Mask> valid, bool still) {
+         Fields u, Arrays<std::uint8_t> valid, bool still) {
         const std::uint8_t* wet = cells(g, active, "active");
         const double *d = cells(g, depth, "depth"), *pressure = cells(g, p, "pressure");
         const auto o = faces(g, open, "open");
@@ -247,7 +248,7 @@ static void bind_projection(nb::module_& m) {
       "before.");
   define(
       m, "extrapolate",
-      [](G g, int layers, int near, Givens mass, double keep_mass, Fields u, std::vector<Mask> known) {
+      [](G g, int layers, int near, Givens mass, double keep_mass, Fields u, Arrays<std::uint8_t> known) {
         if (layers < 0 || layers > 250) refuse("layers is " + std::to_string(layers) + ": 0 to 250");
         const auto mm = faces(g, mass, "mass", true);
         const auto uu = faces(g, u, "u");
@@ -303,7 +304,7 @@ static void bind_motion(nb::module_& m) {
       "Moves the particles with the pore velocity, midpoint rule.");
   define(
       m, "travel",
-      [](G g, double dt, Givens u, Givens mass, double least, OptionalListed porosity, std::vector<Array<float>> way) {
+      [](G g, double dt, Givens u, Givens mass, double least, OptionalListed porosity, Arrays<float> way) {
         const Listed pores = listed_of(g, porosity, "porosity");
         const auto ways = of_faces(g, way, "way");
         const auto uu = faces(g, u, "u"), mm = faces(g, mass, "mass");
@@ -349,7 +350,7 @@ static void bind_motion(nb::module_& m) {
         const auto at = points<D>(x, "position");
         const auto s = solids_of(g, solids);
         nb::gil_scoped_release release;
-        if (s.edge) leave_solids<D>(g, at.n, s, at.data);
+        if (s.edge) all_leave_solids<D>(g, at.n, s, at.data);
       },
       "grid"_a, "solids"_a.none(), "position"_a, "Takes particles that lie in solids to the nearest place outside.");
 }
@@ -412,7 +413,7 @@ static void bind_sums(nb::module_& m) {
 }
 
 template <int D>
-static void bind(nb::module_& m) {
+static void bind_step(nb::module_& m) {
   bind_surface<D>(m);
   bind_forces<D>(m);
   bind_projection<D>(m);
@@ -422,8 +423,8 @@ static void bind(nb::module_& m) {
 void bind_flow(nb::module_& m) {
   m.attr("thinnest_sheet") = thinnest_sheet;
   bind_sums(m);
-  bind<2>(m);
-  bind<3>(m);
+  bind_step<2>(m);
+  bind_step<3>(m);
 }
 
 }  // namespace houle

@@ -9,8 +9,8 @@ namespace houle {
 
 using Mask = Array<std::uint8_t>;
 using GivenMask = Array<const std::uint8_t>;
-using GivenMasks = std::vector<GivenMask>;  // empty: null
-using FaceNumbers = std::vector<Numbers>;   // empty: null
+using GivenMasks = Arrays<const std::uint8_t>;   // empty: null
+using FaceNumbers = Arrays<const std::int32_t>;  // empty: null
 
 // The materials (K, 3) that the faces are numbered by.
 inline Points<2, const Material> materials_of(const Given& table) {
@@ -24,7 +24,8 @@ inline Points<2, const Material> materials_of(const Given& table) {
 template <int D>
 inline ConstFaces<D, std::int32_t> numbers_of(const Grid<D>& g, const FaceNumbers& number, index materials, bool none) {
   const auto f = faces(g, number, "number", none);
-  for (const Numbers& n : number) require_table(n.view("number"), "number", Table::numbers, materials);
+  for (std::size_t a = 0; a < number.size; ++a)
+    require_table(number[a].view("number"), "number", Table::numbers, materials);
   return f;
 }
 

@@ -1,3 +1,4 @@
+#include <houle/compiled/lists.hpp>
 #include <houle/pressure/poisson.hpp>
 
 #include "arguments.hpp"

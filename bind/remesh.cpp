@@ -1,4 +1,7 @@
 // Bindings of remesh.hpp. The number of particles changes, so these functions return new arrays.
+#include <nanobind/ndarray.h>
+
+#include <houle/compiled/lists.hpp>
 #include <houle/water/energy.hpp>
 #include <houle/water/remesh.hpp>
 #include <houle/water/transfer.hpp>
@@ -54,7 +57,7 @@ static ParticleView<D> particles_of(const Grid<D>& g, const Given& x, const Give
 }
 
 template <int D>
-static void bind(nb::module_& m) {
+static void bind_remeshing(nb::module_& m) {
   define(
       m, "remesh_conservative",
       [](const Grid<D>& g, OptionalListed cell_porosity, Array<const std::int8_t> body, Outline outline, Given x,
@@ -101,8 +104,8 @@ static void bind(nb::module_& m) {
 }
 
 void bind_remesh(nb::module_& m) {
-  bind<2>(m);
-  bind<3>(m);
+  bind_remeshing<2>(m);
+  bind_remeshing<3>(m);
 }
 
 }  // namespace houle

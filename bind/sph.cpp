@@ -1,4 +1,5 @@
 // Bindings of sph.hpp, by kernel name.
+#include <houle/compiled/lists.hpp>
 #include <houle/water/sph.hpp>
 
 #include "arguments.hpp"
@@ -36,7 +37,7 @@ static Neighbours<D> neighbours(const Grid<D>& g, const Walls<D>& walls, double 
 }
 
 template <int D>
-static void bind(nb::module_& m) {
+static void bind_sums_of_neighbours(nb::module_& m) {
   using Names = std::vector<std::string>;
   define(
       m, "sph_density_sum",
@@ -62,7 +63,7 @@ static void bind(nb::module_& m) {
         double* a = entries(out, near.n * D, "out");
         with_kernel(kernel, D, radius, [&](const auto& k) {
           nb::gil_scoped_release release;
-          viscous_acceleration<D>(near, k, v, b, eddies, a);
+          sph_viscous_acceleration<D>(near, k, v, b, eddies, a);
         });
       },
       "grid"_a, "walls"_a, "kernel"_a, "radius"_a, "position"_a, "cell_start"_a, "velocity"_a, "bulk"_a, "viscosity"_a,
@@ -84,8 +85,8 @@ static void bind(nb::module_& m) {
 }
 
 void bind_sph(nb::module_& m) {
-  bind<2>(m);
-  bind<3>(m);
+  bind_sums_of_neighbours<2>(m);
+  bind_sums_of_neighbours<3>(m);
 }
 
 }  // namespace houle

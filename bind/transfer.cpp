@@ -1,4 +1,5 @@
 // Bindings of transfer.hpp: sorting, scatter, gather, by kernel name.
+#include <houle/compiled/lists.hpp>
 #include <houle/water/mass_matrix.hpp>
 
 #include "places.hpp"

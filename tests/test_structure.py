@@ -14,7 +14,7 @@ ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "houle"
 CORE = ROOT / "core" / "houle"
 BIND = ROOT / "bind"
-ROOMS = ("exec", "grid", "water", "pressure")  # of the core, from the bottom up
+ROOMS = ("exec", "grid", "water", "pressure", "compiled")  # of the core, each of which knows those before it
 HEADERS = {path.relative_to(CORE.parent).as_posix(): path for path in CORE.glob("*/*.hpp")}
 
 # The rooms of the house from the bottom up: folders of src/houle, and the files that stand beside them. A module

@@ -12,6 +12,7 @@ of a run is in `houle.running.runner`: a module called `houle.run` would hide th
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -41,6 +42,8 @@ def __getattr__(name: str) -> Any:
         value = _version()
     elif name in ("analysis", "design"):
         value = import_module(f"houle.{name}")
+    elif name == "_core":
+        value = _compiled_core()
     elif name in _HOME:
         value = getattr(import_module(_HOME[name]), name)
     else:
@@ -51,6 +54,27 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return [*__all__, "__version__"]
+
+
+def _compiled_core() -> ModuleType:
+    """The compiled core (`bind/`, `core/`) with the widest vectors that this processor runs.
+
+    A wheel holds two variants, which compute the same bits: `v3` for processors with AVX2, which refuses to be imported
+    on others, and `portable`. A build for one machine holds one. HOULE_CORE in the environment takes another by name.
+    """
+    import os
+    from contextlib import suppress
+    from importlib.util import find_spec
+
+    wanted = os.environ.get("HOULE_CORE")
+    modules = [f"houle._core_{variant}" for variant in ([wanted] if wanted else ("own", "v3", "portable"))]
+    built = [module for module in modules if find_spec(module)]
+    if not built:
+        raise ModuleNotFoundError(f"houle has no compiled core: no module {' or '.join(modules)}")
+    for module in built[:-1]:
+        with suppress(ImportError):
+            return import_module(module)
+    return import_module(built[-1])
 
 
 def _version() -> str:

@@ -136,7 +136,7 @@ def return_memory() -> None:
     """Hands freed memory back to the operating system."""
 
 def build_info() -> dict:
-    """Compiler, its flags, threads in use."""
+    """Compiler, its flags, variant of the core, threads in use."""
 
 def cell_sort(
     grid: Grid2 | Grid3,

@@ -149,83 +149,20 @@ struct SolveResult {
 template <int D, class Real = float>
 class PressureSolver {
  public:
-  explicit PressureSolver(const Grid<D>& grid)
-      : grid_(grid), levels_(hierarchy(grid)), mask_(grid.shape), components_(fine()) {
-    const auto& l = fine();
-    for (auto& f : k_) f.allocate(l.size);
-    const int red = colours() == 2 ? -1 : 0, black = colours() == 2 ? -1 : 1;
-    for (auto* f : {&x_, &b_, &p_}) f->allocate(l.size);
-    d_.allocate(l.size, red);
-    inverse_.allocate(l.size, black);
-    q_.allocate(l.size, red);
-    part_.assign(l.pencils, 0);
-  }
+  explicit PressureSolver(const Grid<D>& grid);
 
   // active (cells, 0 or 1), k (faces), e (cells): the system of the following solves. Copies what it needs.
-  void setup(const std::uint8_t* active, ConstFaces<D> k, const double* e) {
-    multigrid::copy_active<D>(fine(), mask_, active);
-    build_fine(k, e);
-    for (std::size_t i = 1; i < levels_.size(); ++i) multigrid::coarsen(levels_[i - 1], levels_[i], coarser(i));
-    components_.find(fine(), mask_, k, e);
-  }
+  void setup(const std::uint8_t* active, ConstFaces<D> k, const double* e);
 
   const Grid<D>& grid() const { return grid_; }
   int closed_components() const { return components_.count(); }
 
   // Addresses and capacities of all that could grow: the same after every set-up and solve.
-  std::vector<std::uintptr_t> buffers() const {
-    std::vector<std::uintptr_t> all;
-    auto note = [&](const auto& v) {
-      all.push_back(reinterpret_cast<std::uintptr_t>(v.data()));
-      all.push_back(v.capacity());
-    };
-    for (const auto& level : levels_) note(level.layout.rows);
-    components_.note_buffers(note);
-    note(part_);
-    return all;
-  }
+  std::vector<std::uintptr_t> buffers() const;
 
   // p: in the first guess, out the solution. Stops when the max-norm of the residual is at most `tolerance`.
   // guess (cells), if not null: first guess in place of p, and out the solution as well.
-  SolveResult solve(const double* rhs, double* p, double tolerance, int max_iterations, float* guess = nullptr) {
-    if (guess)
-      load(guess, rhs);
-    else
-      load(p, rhs);
-    components_.remove_means(b_);
-    components_.remove_means(x_);
-    scale_ = 1;
-    double norm = true_residual(), reached = norm, peak = norm;
-    if (norm > tolerance) scale_residual(1 / norm);
-    bool exact = true;  // true: norm is that of the true residual, not of the one carried on
-    int iterations = 0;
-    double rz = 0;
-    while (!(norm <= tolerance) && std::isfinite(norm) && iterations < max_iterations) {
-      multigrid::cycle(levels_);
-      const double rz_new = dot_rz();
-      if (!(rz_new > 0)) break;
-      direction(rz > 0 ? rz_new / rz : 0.0);
-      rz = rz_new;
-      const double pq = apply();
-      if (!(pq > 0)) break;
-      norm = advance(rz / pq);
-      exact = false;
-      ++iterations;
-      peak = std::max(peak, norm);
-      if (norm <= std::max(tolerance, trusted * peak)) {
-        const double believed = norm;
-        norm = true_residual();
-        exact = true;
-        if (norm > 2 * believed && norm > 0.5 * reached) break;  // round-off reached
-        reached = peak = norm;
-      }
-    }
-    components_.remove_means(x_);
-    if (!exact || closed_components() > 0) norm = true_residual();
-    store(p, guess);
-    if (!std::isfinite(norm)) forget();
-    return {norm <= tolerance ? iterations : -1, norm};
-  }
+  SolveResult solve(const double* rhs, double* p, double tolerance, int max_iterations, float* guess = nullptr);
 
  private:
   using Pencil = multigrid::Pencil;
@@ -471,5 +408,81 @@ class PressureSolver {
     return reduce(go, larger) / scale_;
   }
 };
+
+template <int D, class Real>
+PressureSolver<D, Real>::PressureSolver(const Grid<D>& grid)
+    : grid_(grid), levels_(hierarchy(grid)), mask_(grid.shape), components_(fine()) {
+  const auto& l = fine();
+  for (auto& f : k_) f.allocate(l.size);
+  const int red = colours() == 2 ? -1 : 0, black = colours() == 2 ? -1 : 1;
+  for (auto* f : {&x_, &b_, &p_}) f->allocate(l.size);
+  d_.allocate(l.size, red);
+  inverse_.allocate(l.size, black);
+  q_.allocate(l.size, red);
+  part_.assign(l.pencils, 0);
+}
+
+template <int D, class Real>
+void PressureSolver<D, Real>::setup(const std::uint8_t* active, ConstFaces<D> k, const double* e) {
+  multigrid::copy_active<D>(fine(), mask_, active);
+  build_fine(k, e);
+  for (std::size_t i = 1; i < levels_.size(); ++i) multigrid::coarsen(levels_[i - 1], levels_[i], coarser(i));
+  components_.find(fine(), mask_, k, e);
+}
+
+template <int D, class Real>
+std::vector<std::uintptr_t> PressureSolver<D, Real>::buffers() const {
+  std::vector<std::uintptr_t> all;
+  auto note = [&](const auto& v) {
+    all.push_back(reinterpret_cast<std::uintptr_t>(v.data()));
+    all.push_back(v.capacity());
+  };
+  for (const auto& level : levels_) note(level.layout.rows);
+  components_.note_buffers(note);
+  note(part_);
+  return all;
+}
+
+template <int D, class Real>
+SolveResult PressureSolver<D, Real>::solve(const double* rhs, double* p, double tolerance, int max_iterations,
+                                           float* guess) {
+  if (guess)
+    load(guess, rhs);
+  else
+    load(p, rhs);
+  components_.remove_means(b_);
+  components_.remove_means(x_);
+  scale_ = 1;
+  double norm = true_residual(), reached = norm, peak = norm;
+  if (norm > tolerance) scale_residual(1 / norm);
+  bool exact = true;  // true: norm is that of the true residual, not of the one carried on
+  int iterations = 0;
+  double rz = 0;
+  while (!(norm <= tolerance) && std::isfinite(norm) && iterations < max_iterations) {
+    multigrid::cycle(levels_);
+    const double rz_new = dot_rz();
+    if (!(rz_new > 0)) break;
+    direction(rz > 0 ? rz_new / rz : 0.0);
+    rz = rz_new;
+    const double pq = apply();
+    if (!(pq > 0)) break;
+    norm = advance(rz / pq);
+    exact = false;
+    ++iterations;
+    peak = std::max(peak, norm);
+    if (norm <= std::max(tolerance, trusted * peak)) {
+      const double believed = norm;
+      norm = true_residual();
+      exact = true;
+      if (norm > 2 * believed && norm > 0.5 * reached) break;  // round-off reached
+      reached = peak = norm;
+    }
+  }
+  components_.remove_means(x_);
+  if (!exact || closed_components() > 0) norm = true_residual();
+  store(p, guess);
+  if (!std::isfinite(norm)) forget();
+  return {norm <= tolerance ? iterations : -1, norm};
+}
 
 }  // namespace houle

@@ -15,9 +15,9 @@ namespace houle {
 // it is `step` everywhere; where star is null there is no right-hand side (the position correction). least: the depth
 // [cells] that an active centre has at least (surface_fraction()).
 template <int D>
-inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth,
-                            ConstFaces<D, float> open, ConstFaces<D> mobility, double step, ConstFaces<D> star,
-                            double least, Faces<D> k, double* e, double* rhs) {
+void pressure_system(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D, float> open,
+                     ConstFaces<D> mobility, double step, ConstFaces<D> star, double least, Faces<D> k, double* e,
+                     double* rhs) {
   parallel_for_face_slices(g, [=](int a, index first, index end) {
     const float* o = open[a];
     const double* mo = mobility[a];
@@ -74,9 +74,9 @@ inline void pressure_system(const Grid<D>& g, const std::uint8_t* active, const 
 // u*, taken as 0 if `still`; on return the projected velocity. valid (faces): 1 where the velocity is now known (the
 // face touches an active cell, or is a wall), else 0. mobility null: `step`.
 template <int D>
-inline void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D, float> open,
-                    ConstFaces<D> mobility, double step, const double* p, double least, Faces<D> u,
-                    const std::array<std::uint8_t*, D>& valid, bool still) {
+void project(const Grid<D>& g, const std::uint8_t* active, const double* depth, ConstFaces<D, float> open,
+             ConstFaces<D> mobility, double step, const double* p, double least, Faces<D> u,
+             const std::array<std::uint8_t*, D>& valid, bool still) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   for (int a = 0; a < D; ++a) {
@@ -155,8 +155,8 @@ inline bool has_zero(std::uint64_t w) { return ((w - 0x0101010101010101u) & ~w &
 // A layer reads what is known from one copy of `known` and writes to the other, which the next layer reads. So, in
 // parallel_in_turn, a layer finds only what the one before has left, even where a thread is a layer ahead beside it.
 template <int D>
-inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> mass, double keep_mass, Faces<D> u,
-                        const std::array<std::uint8_t*, D>& known) {
+void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> mass, double keep_mass, Faces<D> u,
+                 const std::array<std::uint8_t*, D>& known) {
   constexpr int up = D - 1;
   std::array<index, D + 1> first{};  // first face of each axis in the second copy
   for (int a = 0; a < D; ++a) first[a + 1] = first[a] + g.faces(a);
@@ -228,8 +228,7 @@ inline void extrapolate(const Grid<D>& g, int layers, int near, ConstFaces<D> ma
 // div u = 0 with the horizontal velocities carried there, as the water between the last pressure cell and the surface
 // must not be squeezed (18). Overwrites `layers` faces above the topmost active cell of each column.
 template <int D>
-inline void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* active, const double* column,
-                             Faces<D> u) {
+void continue_upwards(const Grid<D>& g, int layers, const std::uint8_t* active, const double* column, Faces<D> u) {
   constexpr int up = D - 1;
   const index nz = g.shape[up], columns = g.cells() / nz;
   const auto shape = rows_of<D>(g.shape);

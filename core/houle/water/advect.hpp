@@ -45,9 +45,8 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
 // dt/2 u_d(x) / n(x). porosity (cells) null: 1. own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles
 // where they are known already, else null.
 template <int D>
-inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& porosity, const double* own,
-                 const double* volume, const double* bulk, const Interfaces<D>& media, const Obstacles<D>& obstacles,
-                 double dt, double* x) {
+void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& porosity, const double* own, const double* volume,
+          const double* bulk, const Interfaces<D>& media, const Obstacles<D>& obstacles, double dt, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
@@ -81,8 +80,8 @@ inline void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& poros
 // Moves particles with their own velocities: x = from + dt u_d / n, paper (12) and (17). porosity (n,) at the
 // particles, null: 1.
 template <int D>
-inline void drift(const Grid<D>& g, index n, const double* from, const double* u, const double* porosity,
-                  const Obstacles<D>& obstacles, double dt, double* x) {
+void drift(const Grid<D>& g, index n, const double* from, const double* u, const double* porosity,
+           const Obstacles<D>& obstacles, double dt, double* x) {
   parallel_for(n, [=](index p) {
     double at[D];
     for (int a = 0; a < D; ++a) at[a] = from[D * p + a] + dt * u[D * p + a] / (porosity ? porosity[p] : 1.0);
@@ -95,8 +94,8 @@ inline void drift(const Grid<D>& g, index n, const double* from, const double* u
 // it was [m]. Returns the largest |way| / n along each axis where a face carries more mass than `least`. porosity
 // (cells) null: 1; n is the mean of the cells on both sides of a face.
 template <int D>
-inline std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u, ConstFaces<D> mass, double least,
-                                    const Listed& porosity, const std::array<float*, D>& way) {
+std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u, ConstFaces<D> mass, double least,
+                             const Listed& porosity, const std::array<float*, D>& way) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   std::array<double, D> farthest{};
@@ -151,9 +150,9 @@ constexpr double corner = D == 2 ? 1.0 / 24.0 : 29.0 / 360.0;
 // Elsewhere, where depth says no more than the fill, a deficit next to air is the surface. But a cell with air only at
 // an edge or a corner that lacks the place of a particle has a hole, and is filled to what a flat surface leaves.
 template <int D>
-inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
-                             const double* eta, const double* fill, const Listed& open, const Listed& porosity,
-                             double omega, double* rhs) {
+double density_excess(const Grid<D>& g, const std::uint8_t* active, const double* depth, const double* column,
+                      const double* eta, const double* fill, const Listed& open, const Listed& porosity, double omega,
+                      double* rhs) {
   return parallel_max(g.cells(), [=](index c) {
     rhs[c] = 0.0;
     if (!active[c]) return 0.0;
@@ -173,8 +172,8 @@ inline double density_excess(const Grid<D>& g, const std::uint8_t* active, const
 // Moves particles along a Darcy displacement on the faces [m]: x += displacement(x) / n(x), each component at most
 // `limit` cells.
 template <int D>
-inline void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const Listed& porosity,
-                     const Obstacles<D>& obstacles, double limit, double* x) {
+void displace(const Grid<D>& g, index n, ConstFaces<D> displacement, const Listed& porosity,
+              const Obstacles<D>& obstacles, double limit, double* x) {
   const auto stride = face_strides(g);
   const auto cell_stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {

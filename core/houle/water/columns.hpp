@@ -50,9 +50,9 @@ inline double level_of(const CapacityPiece* first, const CapacityPiece* last, do
 // is no rise of the level. column (count,): numbers of the listed columns; column[i] has the pieces start[i] to start[i
 // + 1] - 1.
 template <int D>
-inline void column_levels(const Grid<D>& g, const double* height, const double* porosity, const double* fill,
-                          const double* inverse_capacity, index count, const std::int64_t* column,
-                          const std::int64_t* start, const CapacityPiece* pieces, double* level) {
+void column_levels(const Grid<D>& g, const double* height, const double* porosity, const double* fill,
+                   const double* inverse_capacity, index count, const std::int64_t* column, const std::int64_t* start,
+                   const CapacityPiece* pieces, double* level) {
   const index nz = g.shape[D - 1];
   const double hz = g.h[D - 1], cell = g.cell_volume();
   parallel_for(g.cells() / nz, [=](index c) { level[c] = height[c] / porosity[c]; });

@@ -52,9 +52,9 @@ HOULE_NOINLINE inline void sample_inertia(const Grid<D>& g, const Crossing<D>& m
 // The medium at a particle of volume V at x in this cell. Returns its bulk volume V/n, n linear between cell centres;
 // writes its inertia J (D,).
 template <int D>
-inline double sample_medium(const Grid<D>& g, const Crossing<D>& medium, const Listed& porosity,
-                            const Stencil<LinearKernel, D>& st, index cell, const double* x, double volume,
-                            float* inertia) {
+inline double sample_one(const Grid<D>& g, const Crossing<D>& medium, const Listed& porosity,
+                         const Stencil<LinearKernel, D>& st, index cell, const double* x, double volume,
+                         float* inertia) {
   if (const double one = medium.inertia[cell]; one > 0.0)
     std::fill_n(inertia, D, static_cast<float>(one));
   else
@@ -65,8 +65,8 @@ inline double sample_medium(const Grid<D>& g, const Crossing<D>& medium, const L
 
 // The medium at all particles: bulk volume V/n (n,) and inertia J (n, D).
 template <int D>
-inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
-                          const double* volume, double* bulk, float* inertia) {
+void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const double* x,
+                   const double* volume, double* bulk, float* inertia) {
   parallel_for(n, [=](index p) {
     const double* at = x + D * p;
     const index cell = place_of<D>(g, at).cell;
@@ -77,7 +77,7 @@ inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, 
     }
     Stencil<LinearKernel, D> st;
     st.set(g, at);
-    bulk[p] = sample_medium(g, medium, porosity, st, cell, at, volume[p], inertia + D * p);
+    bulk[p] = sample_one(g, medium, porosity, st, cell, at, volume[p], inertia + D * p);
   });
 }
 
@@ -85,8 +85,8 @@ inline void sample_medium(const Grid<D>& g, index n, const Crossing<D>& medium, 
 // C_r/n^2 nearby, is above 1 and no more than `most`. There the pressure on both sides holds the normal flux, and the
 // Bernoulli force acts.
 template <int D>
-inline void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const Listed& contrast,
-                       double most, const std::array<std::uint8_t*, D>& held) {
+void hold_faces(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const Listed& contrast, double most,
+                const std::array<std::uint8_t*, D>& held) {
   std::vector<std::uint8_t> cells(static_cast<std::size_t>(g.cells()));
   std::uint8_t* deep = cells.data();
   parallel_for(g.cells(), [=](index c) {
@@ -163,7 +163,7 @@ HOULE_NOINLINE inline void carry_one(const Grid<D>& g, const Crossing<D>& medium
   st.set(g, x);
   double before[D], now[D], ratio = 1.0, root = 1.0;
   for (int a = 0; a < D; ++a) before[a] = inertia[a] * (bulk / volume) * ago;
-  bulk = sample_medium(g, medium, porosity, st, cell, x, volume, inertia);
+  bulk = sample_one(g, medium, porosity, st, cell, x, volume, inertia);
   const double along = lag ? 1.0 - st.template gather<-1>(Grid<D>::strides(g.shape), lag) : 1.0;
   each_of<D>([&](auto a) {
     now[a] = inertia[a] * (bulk / volume) * along;
@@ -185,9 +185,9 @@ HOULE_NOINLINE inline void carry_one(const Grid<D>& g, const Crossing<D>& medium
 // convective acceleration has a coefficient K of its own, coefficient is K, lag (cells) 1 - K/C_r and ago (n,) K/C_r at
 // the old places, else both null: K then stands for C_r in s and in what turns.
 template <int D>
-inline void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity,
-                  const Listed& coefficient, const Listed& lag, const double* ago, double dt, const double* x,
-                  const double* volume, double* bulk, float* inertia, double* u) {
+void carry(const Grid<D>& g, index n, const Crossing<D>& medium, const Listed& porosity, const Listed& coefficient,
+           const Listed& lag, const double* ago, double dt, const double* x, const double* volume, double* bulk,
+           float* inertia, double* u) {
   parallel_for(n, [=](index p) {
     const double* at = x + D * p;
     const index cell = place_of<D>(g, at).cell;
@@ -234,8 +234,8 @@ struct Around {
 // phi. Where other media are among those faces it is linear from the faces on the side of y, and between different
 // inertias it counts in the share that is held. porosity (cells): that of the particles.
 template <int D>
-inline void fall_behind(const Grid<D>& g, const Crossing<D>& medium, const Listed& lag, const Listed& porosity,
-                        ConstFaces<D> u, double dt, Faces<D> change) {
+void fall_behind(const Grid<D>& g, const Crossing<D>& medium, const Listed& lag, const Listed& porosity,
+                 ConstFaces<D> u, double dt, Faces<D> change) {
   const auto stride = face_strides(g);
   const auto cells = Grid<D>::strides(g.shape);
   each_of<D>([&](auto axis) {
@@ -287,8 +287,8 @@ inline void fall_behind(const Grid<D>& g, const Crossing<D>& medium, const Liste
 // inertia and little speed beside one of little inertia and much speed makes energy, and so does what FLIP keeps.)
 // affine (n, D, D): a gradient is kept to the share that is held; may be null.
 template <int D>
-inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFaces<D> velocity, const double* x,
-                   double* u, double* affine) {
+void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFaces<D> velocity, const double* x, double* u,
+            double* affine) {
   const auto stride = face_strides(g);
   parallel_for(n, [=](index p) {
     if (medium.inertia[place_of<D>(g, x + D * p).cell] > 0.0) return;
@@ -326,8 +326,8 @@ inline void settle(const Grid<D>& g, index n, const Crossing<D>& medium, ConstFa
 // (cells). The particles may be in any order, so they are added one by one: the sums are the same for any number of
 // threads.
 template <int D>
-inline void cell_energy(const Grid<D>& g, index n, const std::uint8_t* near, const double* x, const double* bulk,
-                        const float* inertia, const double* u, double* out) {
+void cell_energy(const Grid<D>& g, index n, const std::uint8_t* near, const double* x, const double* bulk,
+                 const float* inertia, const double* u, double* out) {
   std::fill_n(out, g.cells(), 0.0);
   for (index p = 0; p < n; ++p) {
     const index cell = place_of<D>(g, x + D * p).cell;
@@ -338,7 +338,7 @@ inline void cell_energy(const Grid<D>& g, index n, const std::uint8_t* near, con
 
 // Multiplies the velocity of each particle by share (cells) of its cell.
 template <int D>
-inline void scale_by_cell(const Grid<D>& g, index n, const double* share, const double* x, double* u) {
+void scale_by_cell(const Grid<D>& g, index n, const double* share, const double* x, double* u) {
   parallel_for(n, [=](index p) {
     const double s = share[place_of<D>(g, x + D * p).cell];
     for (index k = D * p; k < D * (p + 1); ++k) u[k] *= s;

@@ -51,32 +51,12 @@ inline double sum_of_faces(const Grid<D>& g, Term term) {
 
 // Sum of all, in blocks and then in pairs: hundreds of thousands of volumes are added with an error of a few
 // round-offs.
-inline double total(index n, const double* value) {
-  constexpr index block = 1024, lanes = 8;
-  const index blocks = (n + block - 1) / block;
-  std::vector<double> part(static_cast<std::size_t>(blocks), 0.0);
-  double* parts = part.data();
-  parallel_for(
-      blocks,
-      [=](index b) {
-        double lane[lanes] = {};
-        const index end = std::min(n, (b + 1) * block);
-        index i = b * block;
-        for (; i + lanes <= end; i += lanes)
-          for (index k = 0; k < lanes; ++k) lane[k] += value[i + k];
-        for (; i < end; ++i) lane[i % lanes] += value[i];
-        parts[b] = ((lane[0] + lane[1]) + (lane[2] + lane[3])) + ((lane[4] + lane[5]) + (lane[6] + lane[7]));
-      },
-      4);
-  for (index apart = 1; apart < blocks; apart *= 2)
-    for (index b = 0; b + apart < blocks; b += 2 * apart) parts[b] += parts[b + apart];
-  return blocks > 0 ? parts[0] : 0.0;
-}
+double total(index n, const double* value);
 
 // Kinetic energy of the particles per unit density, 1/2 sum_p (V/n) J |u_d|^2 with J = C_r/n: its rate is the work of
 // forces less the drag. bulk (n,) V/n; inertia (n, D) J at the particles along each axis, null in clear water.
 template <int D>
-inline double kinetic_energy(index n, const double* bulk, const float* inertia, const double* u) {
+double kinetic_energy(index n, const double* bulk, const float* inertia, const double* u) {
   return sum_by_four(n, [=](index p) {
     double s = 0.0;
     for (int a = 0; a < D; ++a)
@@ -88,8 +68,8 @@ inline double kinetic_energy(index n, const double* bulk, const float* inertia, 
 // Kinetic energy of the faces per unit density, 1/2 sum_f m_f J_f u_f^2; J by the number of the face's material, 1
 // where that is null.
 template <int D>
-inline double face_kinetic_energy(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D, std::int32_t> number,
-                                  const Material* table, ConstFaces<D> u) {
+double face_kinetic_energy(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D, std::int32_t> number,
+                           const Material* table, ConstFaces<D> u) {
   return sum_of_faces(g, [=](std::size_t a, index f) {
     return 0.5 * mass[a][f] * (number[a] ? table[number[a][f]].inertia : 1.0) * u[a][f] * u[a][f];
   });
@@ -97,18 +77,16 @@ inline double face_kinetic_energy(const Grid<D>& g, ConstFaces<D> mass, ConstFac
 
 // Power of the accelerations f on the faces per unit density, sum_f m_f u_f f_f.
 template <int D>
-inline double face_power(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D> u, ConstFaces<D> acceleration) {
+double face_power(const Grid<D>& g, ConstFaces<D> mass, ConstFaces<D> u, ConstFaces<D> acceleration) {
   return sum_of_faces(g, [=](std::size_t a, index f) { return mass[a][f] * u[a][f] * acceleration[a][f]; });
 }
 
 // True if all n numbers are finite: x - x is then 0, else NaN.
-inline bool all_finite(index n, const double* x) {
-  return sum_by_four(n, [=](index i) { return x[i] - x[i]; }) == 0.0;
-}
+bool all_finite(index n, const double* x);
 
 // Largest pore speed along each axis, max_p |u_a| / n with n = volume / bulk [m/s]; NaN if any is.
 template <int D>
-inline std::array<double, D> max_speed(index n, const double* u, const double* volume, const double* bulk) {
+std::array<double, D> max_speed(index n, const double* u, const double* volume, const double* bulk) {
   using Speeds = std::array<double, D>;
   return parallel_reduce(
       n, Speeds{},
@@ -125,8 +103,6 @@ inline std::array<double, D> max_speed(index n, const double* u, const double* v
 }
 
 // Sum over particles of weight_p value_p, value being one column of an (n, D) array.
-inline double weighted_sum(index n, const double* weight, const double* value, index stride) {
-  return sum_by_four(n, [=](index p) { return weight[p] * value[p * stride]; });
-}
+double weighted_sum(index n, const double* weight, const double* value, index stride);
 
 }  // namespace houle

@@ -109,8 +109,8 @@ inline double rise(double J, double before, double here, double after) {
 // drag may be null; in clear water mobility, which is dt there, too.
 // extra: further acceleration on the faces [m/s2] (waves, viscosity), null if none; gravity (D,).
 template <int D>
-inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium, const double* gravity,
-                         ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility) {
+void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium, const double* gravity,
+                  ConstFaces<D> extra, double dt, Faces<D> star, Faces<D> drag, Faces<D> mobility) {
   each_of<D>([&](auto axis) {
     constexpr int a = decltype(axis)::value, up = D - 1;
     const double force = gravity[a];
@@ -189,8 +189,8 @@ inline void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>&
 // u and u1 = after are the velocities before and after the step, and r = mobility (a + b |u0|) is the share of u0 that
 // drag takes; mobility as apply_forces() gave it for u0.
 template <int D>
-inline double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFaces<D> mass, ConstFaces<D> mobility,
-                        ConstFaces<D> u, ConstFaces<D> after) {
+double drag_work(const Grid<D>& g, const Resistance<D>& medium, ConstFaces<D> mass, ConstFaces<D> mobility,
+                 ConstFaces<D> u, ConstFaces<D> after) {
   double work = 0.0;
   each_of<D>([&](auto axis) {
     constexpr int a = decltype(axis)::value, up = D - 1;

@@ -31,9 +31,9 @@ inline bool is_bubble(const Grid<D>& g, const std::uint8_t* active, const Listed
 // a corner a flat surface leaves next to nothing empty, and the fill is above and below one for the disorder of the
 // particles: both count.
 template <int D>
-inline void water_held(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const double* fill,
-                       const double* inverse_capacity, const double* height, index count, const std::int64_t* column,
-                       double* held) {
+void water_held(const Grid<D>& g, const std::uint8_t* active, const Listed& open, const double* fill,
+                const double* inverse_capacity, const double* height, index count, const std::int64_t* column,
+                double* held) {
   const index nz = g.shape[D - 1];
   const double area = g.cell_volume() / g.h[D - 1];
   const auto shown = [=](index c) {

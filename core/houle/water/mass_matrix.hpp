@@ -25,19 +25,7 @@ class MassMatrix {
   // add_residual() after it. work (faces): work space; lent: more of it for the matrix, which takes memory of its own
   // only if that is too small.
   void transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass, Faces<D> work,
-                std::span<double> lent) {
-    find_tops(cloud.start);
-    each_of<D>([&](auto axis) {
-      constexpr int a = decltype(axis)::value;
-      double *now = order % 2 ? velocity[a] : work[a], *next = order % 2 ? work[a] : velocity[a];
-      list_rows(a, lent);
-      sum_particles<a>(cloud, u);
-      divide(mass[a], now);
-      for (int k = 1; k < order; ++k, std::swap(now, next)) refine(mass[a], now, next);
-    });
-    close_periodic(grid_, mass);
-    close_periodic(grid_, velocity);
-  }
+                std::span<double> lent);
 
  private:
   static constexpr int up = D - 1, links = D == 2 ? 5 : 14, corners = 1 << D;
@@ -284,5 +272,21 @@ class MassMatrix {
     });
   }
 };
+
+template <int D>
+void MassMatrix<D>::transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass,
+                             Faces<D> work, std::span<double> lent) {
+  find_tops(cloud.start);
+  each_of<D>([&](auto axis) {
+    constexpr int a = decltype(axis)::value;
+    double *now = order % 2 ? velocity[a] : work[a], *next = order % 2 ? work[a] : velocity[a];
+    list_rows(a, lent);
+    sum_particles<a>(cloud, u);
+    divide(mass[a], now);
+    for (int k = 1; k < order; ++k, std::swap(now, next)) refine(mass[a], now, next);
+  });
+  close_periodic(grid_, mass);
+  close_periodic(grid_, velocity);
+}
 
 }  // namespace houle

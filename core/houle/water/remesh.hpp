@@ -256,8 +256,8 @@ inline void leave_as_they_are(const Lattice<D>& l, const std::vector<index>& nod
 // corner of a solid, is left as it is. No water, and no moment, is handed across a gate. first, last: nodes along the
 // first axis between which the water is; walls stand at both ends.
 template <int D>
-inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>& pores, const Solids<D>& solids,
-                                             const Gates& gates, const ParticleView<D>& p, index first, index last) {
+ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>& pores, const Solids<D>& solids,
+                                      const Gates& gates, const ParticleView<D>& p, index first, index last) {
   const Lattice<D> l(grid, gates, first, last);
   const Space<D> space{grid, l, pores, solids};
   const index all = *std::max_element(l.shape.begin(), l.shape.end());
@@ -275,8 +275,7 @@ inline ParticleArrays<D> remesh_conservative(const Grid<D>& grid, const Pores<D>
 // node whose fill exceeds the threshold, at the velocity sum V u M4' / sum V M4'. It heeds gates but no solids. Water
 // is not conserved: each time, the surface rises to the outermost node that any particle reaches.
 template <int D>
-inline ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, const ParticleView<D>& p,
-                                      double threshold) {
+ParticleArrays<D> remesh_paper(const Grid<D>& grid, const Gates& gates, const ParticleView<D>& p, double threshold) {
   const Lattice<D> l(grid, gates);
   const Slabs<D> slabs(l, p.n, p.x);
   const Pores<D>* none = nullptr;

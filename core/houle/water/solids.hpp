@@ -151,7 +151,7 @@ inline void leave_solids(const Grid<D>& g, const Solids<D>& solids, const Gates&
 
 // Takes all particles that lie in a solid to the nearest place outside.
 template <int D>
-inline void leave_solids(const Grid<D>& g, index n, const Solids<D>& solids, double* x) {
+void all_leave_solids(const Grid<D>& g, index n, const Solids<D>& solids, double* x) {
   parallel_for(n, [=](index p) {
     leave_solids(g, solids, x + D * p);
     bring_into_tank(g, x + D * p);
@@ -179,7 +179,7 @@ struct ClosedFaces {
 // carried into the solid from the water would drive particles onto it. Along the outline the values of the closed faces
 // stay.
 template <int D>
-inline void stop_at_solids(const Grid<D>& g, const ClosedFaces<D>& closed, Faces<D> u) {
+void stop_at_solids(const Grid<D>& g, const ClosedFaces<D>& closed, Faces<D> u) {
   const auto stride = face_strides(g);
   const ConstFaces<D> now = u;
   const auto across = [=](const double* x, const double* normal) {

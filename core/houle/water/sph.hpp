@@ -138,7 +138,7 @@ struct Neighbours {
 
 // Volume sum, paper eq. (14) divided by n rho: out_i = sum_j B_j W(x_i - x_j), B = V/n; 1 in full water
 template <int D, class Kernel>
-inline void density_sum(const Neighbours<D>& near, const Kernel& kernel, const double* bulk, double* out) {
+void density_sum(const Neighbours<D>& near, const Kernel& kernel, const double* bulk, double* out) {
   parallel_for(
       near.n,
       [=](index i) {
@@ -155,8 +155,8 @@ inline void density_sum(const Neighbours<D>& near, const Kernel& kernel, const d
 // viscous force of a flow without divergence for any nu(x). The harmonic mean agrees with it for smooth nu, but lets an
 // eddy viscosity that vanishes at one particle switch off the exchange of momentum with all its neighbours.
 template <int D, class Kernel>
-inline void viscous_acceleration(const Neighbours<D>& near, const Kernel& kernel, const double* u, const double* bulk,
-                                 const double* nu, double* out) {
+void sph_viscous_acceleration(const Neighbours<D>& near, const Kernel& kernel, const double* u, const double* bulk,
+                              const double* nu, double* out) {
   constexpr double K = 2 * (D + 2);
   parallel_for(
       near.n,
@@ -201,8 +201,8 @@ inline bool invert(double (&m)[D][D]) {
 // (Randles & Libersky 1996); zero where they are too few or in line. Mirror images would bend a linear field: call with
 // free walls, the correction needs none.
 template <int D, class Kernel>
-inline void velocity_gradient(const Neighbours<D>& near, const Kernel& kernel, const double* u, const double* bulk,
-                              double* out) {
+void velocity_gradient(const Neighbours<D>& near, const Kernel& kernel, const double* u, const double* bulk,
+                       double* out) {
   parallel_for(
       near.n,
       [=](index i) {

@@ -24,8 +24,8 @@ inline double depth_from_fill(double F) {
 // that the position correction keeps full, so that the count of particles in a column adds no noise. Walls and gates
 // fold, paddles between the faces mirror.
 template <int D>
-inline void column_heights(const Grid<D>& g, const std::int32_t* start, const double* x, const double* volume,
-                           const Paddles& paddles, const Gates& gates, double* height) {
+void column_heights(const Grid<D>& g, const std::int32_t* start, const double* x, const double* volume,
+                    const Paddles& paddles, const Gates& gates, double* height) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double area = g.cell_volume() / g.h[D - 1];
   const index across = D == 3 ? g.shape[1] : 1;
@@ -77,8 +77,8 @@ inline bool gate_between(const Gates& gates, double x, double spacing, double le
 // column (columns), level of single-valued columns [cells], NaN in others; eta (columns), level of the surface above z
 // = 0 [m], NaN where dry.
 template <int D>
-inline void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level,
-                         const Gates& gates, double* depth, std::uint8_t* active, double* column, double* eta) {
+void find_surface(const Grid<D>& g, const double* fill, const Listed& open, const double* level, const Gates& gates,
+                  double* depth, std::uint8_t* active, double* column, double* eta) {
   const index nz = g.shape[D - 1], columns = g.cells() / nz;
   const double hz = g.h[D - 1];
   // ground: closed cells at the bottom of a column
@@ -151,7 +151,7 @@ inline void find_surface(const Grid<D>& g, const double* fill, const Listed& ope
 
 // True if there is water in row `row` of the cells, counted upwards, or above.
 template <int D>
-inline bool water_above(const Grid<D>& g, const double* fill, index row) {
+bool water_above(const Grid<D>& g, const double* fill, index row) {
   const index nz = g.shape[D - 1];
   return parallel_max(g.cells() / nz, [=](index c) {
            const double *first = fill + c * nz + std::clamp<index>(row, 0, nz), *last = fill + (c + 1) * nz;

@@ -16,8 +16,8 @@ namespace houle {
 // position (NaN), -1 if there is none. Such a particle is sorted into the nearest cell, so that nothing is read or
 // written elsewhere.
 template <int D>
-inline index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
-                       std::int32_t* start) {
+index cell_sort(const Grid<D>& g, index n, const double* x, std::int32_t* cell, std::int32_t* order,
+                std::int32_t* start) {
   const index cells = g.cells();
   const index outside = parallel_reduce(
       n, n,
@@ -57,8 +57,8 @@ inline void reorder(index n, index width, const std::int32_t* order, double* row
 // Puts particles into the order of their cells; spare (n, D) is work space. If one is outside, as cell_sort tells, all
 // stay as they were and its number is returned, else -1.
 template <int D>
-inline index sort_particles(const Grid<D>& g, index n, double* x, double* u, double* volume, double* spare,
-                            std::int32_t* order, std::int32_t* start) {
+index sort_particles(const Grid<D>& g, index n, double* x, double* u, double* volume, double* spare,
+                     std::int32_t* order, std::int32_t* start) {
   const index outside = cell_sort<D>(g, n, x, reinterpret_cast<std::int32_t*>(spare), order, start);
   if (outside >= 0) return outside;
   reorder(n, D, order, x, spare);
@@ -127,8 +127,8 @@ inline void between_gates(const Grid<D>& g, const Gates& gates, const Sum& sum) 
 // gates fold. A particle near a wall between the faces counts for its mirror image too, so that full water is full up
 // to the wall. factor (cells) multiplies the sums; null: 1.
 template <int D>
-inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
-                          const Paddles& paddles, const Gates& gates, const double* factor, double* out) {
+void scatter_cells(const Grid<D>& g, const std::int32_t* start, const double* x, const double* amount,
+                   const Paddles& paddles, const Gates& gates, const double* factor, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(g.cells(), [=](index c) { out[c] = 0.0; });
   const auto sum = [=](auto keep) {
@@ -152,7 +152,7 @@ inline void scatter_cells(const Grid<D>& g, const std::int32_t* start, const dou
 
 // Cell field at particle positions, (bi/tri)linear with walls folded: out (n,).
 template <int D>
-inline void gather_cells(const Grid<D>& g, index n, const double* x, const double* field, double* out) {
+void gather_cells(const Grid<D>& g, index n, const double* x, const double* field, double* out) {
   const auto stride = Grid<D>::strides(g.shape);
   parallel_for(n, [=](index p) {
     Stencil<LinearKernel, D> st;
@@ -204,8 +204,8 @@ inline void give_beside(const Grid<D>& g, const Beside<K, D>& beside, double m, 
 // Mass-weighted mean velocity of the faces, (1/m_f) sum_p m_p w_fp u_p, and the face masses m_f = sum_p m_p w_fp [m^d].
 // affine (n, D, D) or null: APIC's velocity gradient, u_p + C_p (x_f - x_p). Faces without mass get 0.
 template <class K, int D>
-inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, const double* affine, Faces<D> velocity,
-                     Faces<D> mass) {
+void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, const double* affine, Faces<D> velocity,
+              Faces<D> mass) {
   const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double *m = mass[a], *v = velocity[a];
@@ -253,8 +253,8 @@ inline void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, c
 // velocity += (1/m_f) sum_p m_p w_fp (u_p - (interpolated velocity)_p). Repeated, it converges to the velocity whose
 // interpolation is nearest to the particles' in the mass-weighted norm: the conservative l2 projection (Maljaars 2018).
 template <class K, int D>
-inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* u, ConstFaces<D> mass,
-                         Faces<D> velocity, Faces<D> work) {
+void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* u, ConstFaces<D> mass, Faces<D> velocity,
+                  Faces<D> work) {
   const auto stride = face_strides(g);
   for (int a = 0; a < D; ++a) {
     double* r = work[a];
@@ -292,8 +292,8 @@ inline void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* 
 // flip = 0 is PIC (and FMPM), and needs no change and drag. change: what forces and pressure added to each face,
 // now - drag * old, where drag is the factor by which the implicit resistance has scaled the old velocity.
 template <class K, int D>
-inline void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> now, ConstFaces<D> change,
-                         ConstFaces<D> drag, double flip, double* u) {
+void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> now, ConstFaces<D> change, ConstFaces<D> drag,
+                  double flip, double* u) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
     const auto take = [=](const Beside<K, D>& beside) {
@@ -379,7 +379,7 @@ inline void affine_beside(const Grid<D>& g, const Beside<K, D>& beside, ConstFac
 
 // APIC's velocity gradient (n, D, D), row a: C_ab = sum_f w u_f (x_f - x_p)_b / sum_f w (x_f - x_p)_b^2 (Jiang 2015).
 template <class K, int D>
-inline void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
+void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
     const auto take = [=](const Beside<K, D>& beside) { affine_beside(g, beside, velocity, affine + D * D * p); };

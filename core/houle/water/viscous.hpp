@@ -8,7 +8,7 @@ namespace houle {
 // Viscosity at cell centres with the eddies of Smagorinsky (1963), nu (cells) = molecular + (constant Delta)^2 |S|
 // [m2/s]: strain rate |S| = sqrt(2 S_ab S_ab), Delta the size of a cell.
 template <int D>
-inline void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double constant, double* nu) {
+void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double constant, double* nu) {
   const double filter = constant * std::pow(g.cell_volume(), 1.0 / D);
   parallel_for(g.cells(), [=](index c) {
     const auto i = Grid<D>::unflat(c, g.shape);
@@ -71,8 +71,8 @@ constexpr double thinnest_sheet = 0.25;
 // gradient to the wall, in clear water as wall_shear() says. nu (cells, null: `molecular`), porosity (cells, null: 1),
 // mass (faces) and the least mass of a face that holds water.
 template <int D>
-inline void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
-                                 const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
+void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
+                          const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
   std::array<bool, 2 * D> hold;
   for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
   constexpr int up = D - 1;
