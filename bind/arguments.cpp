@@ -1,4 +1,4 @@
-// What all bound functions do with their arguments, compiled once.
+// The part of the bindings that treats arguments, the same for all bound functions: compiled once.
 #include "arguments.hpp"
 
 namespace houle {

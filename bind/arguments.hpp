@@ -1,5 +1,5 @@
-// What the binding files share: functions that name the argument that does not fit, and checks of arrays and index
-// tables. Only bindings see Python.
+// The parts that the binding files share: functions that name the argument that does not fit, and checks of arrays and
+// index tables. Only bindings see Python.
 //
 // Every call checks sizes and types, and the numbers of an index table wherever a wrong one would read or write
 // elsewhere in memory. A large table that is built once is made read-only (houle.grid.fixed) and checked once.
@@ -35,7 +35,7 @@ using OptionalListed = std::optional<ListedField>;
 
 // ---- functions ------------------------------------------------------------------------------------------------------
 
-// What an argument of that C++ type must be, in words.
+// Words for the argument that a C++ type asks for, as messages have them.
 template <class A>
 struct Wanted {
   static std::string words() {
@@ -118,7 +118,7 @@ inline void define(Scope& scope, const char* name, F f, R (F::*)(First, A...) co
         return f(first, rest...);
       },
       extra...);
-  if constexpr (std::is_same_v<Scope, nb::module_>) {  // of a method's arguments nanobind lists all
+  if constexpr (std::is_same_v<Scope, nb::module_>) {  // for a method nanobind itself lists all arguments
     static constexpr Kind kinds[] = {kind_of<First>, kind_of<A>...};
     explain_misfits(scope, name, kinds, {name_of(extra)...}, std::is_same_v<std::remove_cvref_t<First>, Grid<2>>);
   }
@@ -136,7 +136,7 @@ inline void define(Scope& scope, const char* name, F f, const Extra&... extra) {
 // The numbers of an array of n entries; of one of that shape, or that lists as many in one row. of: what it holds.
 void* entries_of(const Extent& v, index n, const char* name);
 void* shaped(const Extent& v, const index* shape, int d, index n, const char* of, const char* name);
-// Whether the array has that shape, or lists as many entries in one row.
+// True if the array has that shape, or lists as many entries in one row.
 bool has_shape(const Extent& v, const index* shape, int d, index size);
 
 template <class T>
@@ -219,7 +219,7 @@ inline Points<2, const Row> rows(const Given& table, const char* name) {
 }
 
 Paddles paddles_of(const OptionalGiven& table);
-// x and lower edge of each, in a tank of that length.
+// The gates of a table with x and lower edge of each [m], which must stand in a tank of that length.
 Gates gates_in(double length, const Given& table);
 
 template <int D>
@@ -241,11 +241,11 @@ inline void apart(const A* a, index n, const char* name, const B* b, index m, co
 
 // ---- index tables ---------------------------------------------------------------------------------------------------
 
-// What the numbers of a table must be: each in [0, limit); the same, or -1 for none; from 0 to limit, none below the
-// one before (where lists begin), or each above it (where lists begin that are not empty).
+// Kinds of index tables, by their numbers: each in [0, limit); the same, or -1 for none; from 0 to limit, none below
+// the one before (where lists begin), or each above it (where lists begin that are not empty).
 enum class Table { numbers, some, starts, groups };
 
-// Whether this very table was found to be right before: true only for one that nobody can write to.
+// True if this very table was found to be right before. Only tables that nobody can write to are remembered.
 bool known_table(const nb::handle& owner, const void* data, Table kind, index limit);
 void note_table(const nb::handle& owner, const void* data, Table kind, index limit);
 
@@ -254,7 +254,7 @@ void require_table(const View<T>& v, const char* name, Table kind, index limit);
 extern template void require_table(const View<const std::int32_t>&, const char*, Table, index);
 extern template void require_table(const View<const std::int64_t>&, const char*, Table, index);
 
-// Numbers of rows of a table of `limit` rows.
+// An index table of n numbers, each that of a row of a table of `limit` rows.
 template <class T>
 inline const T* numbers(const Array<const T>& array, index n, index limit, const char* name) {
   const auto v = array.view(name);
@@ -279,8 +279,8 @@ inline Listed listed_of(const Grid<D>& g, const OptionalListed& field, const cha
   return field ? listed_of(g, *field, name) : Listed{};
 }
 
-// number of each cell, and for the linear kernel, list (K, D + 3), medium of the faces:
-// houle.medium.interfaces.Interfaces
+// The interfaces as Python passes them: number of each cell, the same for the linear kernel, list (K, D + 3), medium of
+// the faces (houle.medium.interfaces.Interfaces).
 using OptionalInterfaces = std::optional<std::tuple<Numbers, Numbers, Given, Arrays<const std::int8_t>>>;
 
 template <int D>
@@ -303,8 +303,8 @@ inline Interfaces<D> interfaces_of(const Grid<D>& g, const OptionalInterfaces& i
   return found;
 }
 
-// Where the particles of each cell begin, as cell_sort leaves it, for loops over slabs of columns: they read it at the
-// ends of columns only.
+// The first particle of each cell, as cell_sort leaves it, for loops over slabs of columns: they read it at the ends of
+// columns only.
 template <int D>
 inline const std::int32_t* slabs_of(const Grid<D>& g, const Numbers& start, index particles) {
   const std::int32_t* s = entries(start, g.cells() + 1, "start");
@@ -316,7 +316,7 @@ inline const std::int32_t* slabs_of(const Grid<D>& g, const Numbers& start, inde
   return s;
 }
 
-// The same for loops over the cells.
+// The first particle of each cell for loops over the cells, which read all of it.
 template <int D>
 inline const std::int32_t* cell_start_of(const Grid<D>& g, const Numbers& cell_start, index particles) {
   entries(cell_start, g.cells() + 1, "cell_start");

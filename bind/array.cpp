@@ -1,4 +1,5 @@
-// What the bindings do with each array that Python passes, and what they say of those that do not fit.
+// The part of the bindings that looks into the arrays which Python passes, and the messages about those that do not
+// fit.
 #include "array.hpp"
 
 #include <cstring>
@@ -53,7 +54,7 @@ std::string shape_text(const index* shape, int d) {
 struct NumberType {
   const char* name;
   Py_ssize_t size;
-  const char* codes;  // by which the buffer protocol calls it
+  const char* codes;  // letters of the buffer protocol for it
 };
 
 static constexpr NumberType number_types[] = {{"float64", 8, "fd"},  {"float32", 4, "fd"},  {"int8", 1, "bhilq"},
@@ -63,7 +64,7 @@ static const NumberType& type_of(Number number) { return number_types[static_cas
 
 const char* number_name(Number number) { return type_of(number).name; }
 
-// Whether these are numbers of that type: native, aligned.
+// True if these are numbers of that type: native, aligned.
 static bool is_of(const NumberType& type, const Py_buffer& buffer) {
   const char* format = buffer.format;
   if (buffer.itemsize != type.size || !format) return false;

@@ -31,7 +31,7 @@ class Call {
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
-  static Call*& current();  // of this thread
+  static Call*& current();  // the call under way in this thread
   const char* name() const { return name_; }
   // The buffer of an object, null with a Python error if it has none like that.
   Py_buffer* hold(nb::handle object, int flags);
@@ -68,7 +68,7 @@ constexpr Number number_of() {
 
 const char* number_name(Number number);
 
-// What is known of an array but the type of its numbers.
+// An array without the type of its numbers: place, shape, and the object that owns it.
 struct Extent {
   void* at = nullptr;
   index size = 0;

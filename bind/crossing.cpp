@@ -124,7 +124,8 @@ static void bind_crossing(nb::module_& m) {
       },
       "grid"_a, "number"_a, "table"_a, "cell_inertia"_a, "uniform"_a, "held"_a, "velocity"_a, "position"_a, "u"_a,
       "affine"_a.none(), "interfaces"_a = nb::none(),
-      "Takes from particles that no pressure holds the energy beyond that of the faces around them.");
+      "Velocities among faces of different inertia: linear from these, with no more energy where no pressure holds "
+      "them.");
 }
 
 void bind_crossing(nb::module_& m) {

@@ -1,4 +1,4 @@
-// What is in houle._core: the grid, threads, and the functions of the other files here.
+// The contents of houle._core: the grid, threads, and the functions of the other files here.
 #include <string>
 
 #include <houle/compiled/lists.hpp>
@@ -36,7 +36,7 @@ bool known_table(const nb::handle& owner, const void* data, Table kind, index li
 
 void note_table(const nb::handle& owner, const void* data, Table kind, index limit) {
   static std::size_t next = 0;
-  if (!nb::hasattr(owner, "base") || !owner.attr("base").is_none()) return;  // what it is a view of may be written to
+  if (!nb::hasattr(owner, "base") || !owner.attr("base").is_none()) return;  // a view: its base may be written to
   PyObject* reference = PyWeakref_NewRef(owner.ptr(), nullptr);
   if (!reference) return PyErr_Clear();
   known_tables()[next++ % known_tables().size()] = {nb::steal(reference), data, kind, limit};
@@ -90,7 +90,7 @@ static void return_memory() {
 #endif
 }
 
-// How the core was built, for the manifest of a run.
+// Compiler and flags of the core, and threads in use, for the manifest of a run.
 static nb::dict build_info() {
   const Build build = build_of_core();
   nb::dict info;

@@ -25,14 +25,14 @@ WIDTH = 120
 
 
 def raw() -> str:
-    """What nanobind writes."""
+    """The stub as nanobind writes it."""
     generator = StubGen(_core, recursive=False, include_docstrings=True, quiet=True)
     generator.put(_core)
     return generator.get()
 
 
 def explains(function: ast.FunctionDef) -> bool:
-    """Whether it is the overload that takes anything and says which argument of a call does not fit."""
+    """True for the overload that takes anything and says which argument of a call does not fit."""
     return function.args.vararg is not None
 
 

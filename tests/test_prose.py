@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SOURCES = ("src/houle",)
+SOURCES = ("src/houle", "bind", "core")
 CLAUSE = re.compile(r"(of|whether|what|where|which|that|how|who|whose)\b", re.IGNORECASE)
 
 

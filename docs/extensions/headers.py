@@ -12,6 +12,7 @@ from pathlib import Path
 
 WIDTH = 88  # of a line of code on a page
 SHORT = 24  # lines: a struct up to this length is shown whole, with the comments of its members
+MACRO = re.compile(r"[A-Z_]+\([\w, ]*\)")  # a macro that stands for declarations
 
 
 @dataclass
@@ -102,7 +103,7 @@ def _items(lines: list[str]) -> list[Item]:
             comment = _comment(lines, i)
             i += len(comment)
             continue
-        if not line or line.startswith(("#", "public:")):
+        if not line or line.startswith(("#", "public:")) or MACRO.fullmatch(line):
             comment, i = [], i + 1
             continue
         size = _length(lines[i:])

@@ -608,7 +608,7 @@ def settle(
     affine: numpy.typing.NDArray[numpy.float64] | None,
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
 ) -> None:
-    """Takes from particles that no pressure holds the energy beyond that of the faces around them."""
+    """Velocities among faces of different inertia: linear from these, with no more energy where no pressure holds them."""
 
 def remesh_conservative(
     grid: Grid2 | Grid3,

@@ -1,4 +1,4 @@
-// What crosses from one porosity to another, and remeshing, compiled.
+// Water that crosses from one porosity to another, and remeshing, compiled.
 #include <houle/compiled/lists.hpp>
 
 namespace houle {

@@ -1,4 +1,4 @@
-// What each step does on the grid and with the particles, compiled.
+// The operations of a step on the grid and with the particles, compiled.
 #include <houle/compiled/lists.hpp>
 
 namespace houle {

@@ -1,4 +1,4 @@
-// How the library was built.
+// The build of the library: its compiler, flags and variant.
 #pragma once
 
 namespace houle {
