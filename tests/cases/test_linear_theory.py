@@ -47,7 +47,7 @@ BEHIND_A_WALL = {"sponge": [], "domain": {"size": [6.0, 0.4], "spacing": 0.02}}
         (block({"box": [[5.0, 0.0], [6.0, 0.2]]}), "not from the bed through the surface at 0.25 m"),
         (block({"box": [[5.5, 0.0], [6.0, 0.4]]}), "its face is at x = 5.5 m, reflection.structure begins at 5 m"),
         (block(solid=[{"box": [[6.2, 0.0], [6.5, 0.1]]}]), "solid.solid-1 stands in the flume"),
-        (block(sponge=[]), "nothing takes up what comes through"),
+        (block(sponge=[]), "nothing absorbs the waves that pass"),
         (block(porous=[]), "0 porous bodies"),
         (block(waves={**FLUME["waves"], "kind": "jonswap"}), 'waves.kind = "jonswap"'),
     ],

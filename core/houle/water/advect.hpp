@@ -114,13 +114,11 @@ std::array<double, D> travel(const Grid<D>& g, double dt, ConstFaces<D> u, Const
       }
       const index below = Grid<D>::flat(low, stride), above = Grid<D>::flat(high, stride);
       constexpr index block = 256;
-      double step[block];  // rounded by itself: not part of a fused multiply-add
       float most = 0.0f, size[block];
       for (index first = 0; first < line; first += block) {
         const index f = r * line + first, count = std::min(block, line - first);
-        for (index k = 0; k < count; ++k) step[k] = dt * ua[f + k];
         for (index k = 0; k < count; ++k) {
-          far[f + k] = static_cast<float>(far[f + k] + step[k]);
+          far[f + k] = static_cast<float>(far[f + k] + dt * ua[f + k]);
           size[k] = m[f + k] > least ? std::abs(far[f + k]) : 0.0f;
         }
         for (index k = 0; porosity && k < count; ++k) {

@@ -117,7 +117,7 @@ void apply_forces(const Grid<D>& g, ConstFaces<D> u, const Resistance<D>& medium
     const double *ua = u[a], *ex = extra[a];
     double *us = star[a], *dr = drag[a], *mo = mobility[a];
     if (!medium.table) {
-      const double fall = dt * force;  // rounded here: in the loop, its vectors and its tail might not do the same
+      const double fall = dt * force;
       parallel_for(g.faces(a), [=](index f) {
         us[f] = ex ? ua[f] + dt * (force + ex[f]) : ua[f] + fall;
         if (dr) dr[f] = 1.0;

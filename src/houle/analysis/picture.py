@@ -127,7 +127,7 @@ def _harmonics(panel: Axes, r: Measured) -> None:
     panel.set_xticks([part.order for part in r.harmonics])
     panel.set_xlabel("harmonic")
     panel.set_ylabel("[mm]")
-    _headings(panel, "Amplitudes taken apart", "pale: free waves; dark: moving with the primary wave")
+    _headings(panel, "Separated amplitudes", "pale: free waves; dark: moving with the primary wave")
 
 
 def _spectrum(panel: Axes, r: Measured) -> None:
@@ -145,4 +145,4 @@ def _spectrum(panel: Axes, r: Measured) -> None:
     panel.set_ylim(0, 1.5 * top)
     panel.set_xlabel("f [Hz]")
     panel.set_ylabel(r"[mm$^2$/Hz]", parse_math=True)
-    _headings(panel, f"Spectrum taken apart, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")
+    _headings(panel, f"Separated spectrum, mean of {width} lines", "grey ticks: lines left out" if lost.any() else "")

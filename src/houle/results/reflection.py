@@ -1,7 +1,7 @@
 """Reflection, transmission and dissipation of the structure of a run: [reflection], measured at its end.
 
-The gauges are taken apart by `houle.analysis.reflection`; beside it stands linear theory where there is one: a vertical
-porous block over the full depth on a flat bed, its drag made linear by equal work (Lorentz).
+`houle.analysis.reflection` separates the waves at the gauges; beside it stands linear theory where there is one: a
+vertical porous block over the full depth on a flat bed, its drag made linear by equal work (Lorentz).
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ def no_theory(case: Case) -> str | None:
     if abs(front - flume.front) >= NEAR:
         return f"its face is at x = {front:g} m, reflection.structure begins at {flume.front:g} m"
     if not flume.absorbed and abs(back - flume.wall) >= NEAR:
-        return f"from its back, x = {back:g} m, to the wall at {flume.wall:g} m nothing takes up what comes through"
+        return f"from its back, x = {back:g} m, to the wall at {flume.wall:g} m nothing absorbs the waves that pass"
     return None
 
 

@@ -1,6 +1,6 @@
 """Flumes with waves for the shipped cases: overrides of a case file for another wave or another structure.
 
-From left to right: relaxation zone of a wavelength and a half (it makes the waves and takes up what comes back),
+From left to right: relaxation zone of a wavelength and a half (it makes the waves and absorbs those that come back),
 gauges, the structure, gauges, sponge of a wavelength and a half. The gauges stand so that a free second harmonic can be
 told from the bound one for waves of 1 to 2 s in 0.25 m of water; there are many because the noise of the surface, some
 hundredths of a cell and different at every gauge, is what limits the answer for waves lower than a cell.

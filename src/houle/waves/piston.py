@@ -142,7 +142,7 @@ class Reading:
 
     @property
     def speed(self) -> float:
-        """Velocity of the wall per elevation of the wave it sends out or takes up [1/s]."""
+        """Velocity of the wall per elevation of the wave it sends out or absorbs [1/s]."""
         return self.omega / float(biesel(self.k * self.depth))
 
     @property
