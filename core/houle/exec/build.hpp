@@ -6,7 +6,7 @@ namespace houle {
 struct Build {
   const char* compiler;
   const char* flags;
-  const char* variant;  // portable: the compiler's baseline, v3: x86-64-v3, own: as was asked for
+  const char* variant;  // portable: any processor, v3: x86-64-v3 (AVX2), own: as HOULE_ARCH asks
 };
 
 Build build_of_core();

@@ -47,7 +47,7 @@ struct Grid {
     for (index s : face_shape(axis)) n *= s;
     return n;
   }
-  // Entries from one number to the next along each axis, in a field of that shape.
+  // Strides of a field of that shape: along each axis, the distance in memory from an entry to the next one.
   static std::array<index, D> strides(const std::array<index, D>& shape) {
     std::array<index, D> s{};
     s[D - 1] = 1;
@@ -60,7 +60,7 @@ struct Grid {
     for (int a = 0; a < D; ++a) f += i[a] * stride[a];
     return f;
   }
-  // The entry along each axis of place f in memory, in a field of that shape.
+  // The inverse of flat(): the numbers along the axes of the entry at place f in memory, in a field of that shape.
   static std::array<index, D> unflat(index f, const std::array<index, D>& shape) {
     std::array<index, D> i{};
     for (int a = D - 1; a >= 0; --a) {

@@ -41,7 +41,7 @@ inline void keep_inside(const Grid<D>& g, const Obstacles<D>& obstacles, const d
   bring_into_tank(g, x);
 }
 
-// Moves particles with the pore velocity for dt by the midpoint rule (17): x += dt u_d(x_mid) / n(x_mid), x_mid = x +
+// Moves particles with the pore velocity for dt by the midpoint rule (19): x += dt u_d(x_mid) / n(x_mid), x_mid = x +
 // dt/2 u_d(x) / n(x). porosity (cells) null: 1. own, volume, bulk: u_d(x) (n, D), V and V/n(x) (n,) of the particles
 // where they are known already, else null.
 template <int D>

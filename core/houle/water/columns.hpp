@@ -42,13 +42,14 @@ inline double level_of(const CapacityPiece* first, const CapacityPiece* last, do
 
 // Finds the level of the water in all columns of cells, level (columns) [m].
 //
-// A uniform column is filled to height / porosity: height (columns) [m] from column_heights(), porosity (columns) of
-// its pores. A listed column is filled to the level up to which its pieces hold its water. That is summed over its
-// cells: fill (cells), the share of its capacity that a cell holds, over inverse_capacity (cells), 1 / the water in its
-// tent when all pores are full [1/m^D], 0 in solids. The sum is the water in the column's horizontal tent. Cells more
-// than two below the surface count as full: where the porosity changes, particles crowd there by a few percent, which
-// is no rise of the level. column (count,): numbers of the listed columns; column[i] has the pieces start[i] to start[i
-// + 1] - 1.
+// A uniform column is filled to height / porosity: height (columns) [m] from column_heights(), porosity (columns) [-].
+//
+// A listed column is filled to the level up to which its pieces hold its water. The water is summed over its cells:
+// fill (cells), the share of its capacity that a cell holds, over inverse_capacity (cells), 1 / the water in its tent
+// when all pores are full [1/m^D], 0 in solids. The sum is the water in the column's horizontal tent. Cells more than
+// two below the surface count as full: where the porosity changes, particles crowd there by a few percent, which is no
+// rise of the level. column (count,): numbers of the listed columns; column[i] has the pieces start[i] to
+// start[i + 1] - 1.
 template <int D>
 void column_levels(const Grid<D>& g, const double* height, const double* porosity, const double* fill,
                    const double* inverse_capacity, index count, const std::int64_t* column, const std::int64_t* start,

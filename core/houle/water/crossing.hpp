@@ -229,7 +229,7 @@ struct Around {
 // K/C_r (cells).
 //
 // Momentum goes with 1 - lag of the velocity of the water. So water on a face at x finds the velocity that is `lag` of
-// its way ahead, and changes by u(y) - u(x), with y by the midpoint rule (17). u(y) is taken by M4' in all directions,
+// its way ahead, and changes by u(y) - u(x), with y by the midpoint rule (19). u(y) is taken by M4' in all directions,
 // third order, which makes no wave larger, however long the step: |sum_k M4'(f - k) exp(i k phi)| <= 1 for all f and
 // phi. Where other media are among those faces it is linear from the faces on the side of y, and between different
 // inertias it counts in the share that is held. porosity (cells): that of the particles.

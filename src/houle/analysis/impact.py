@@ -20,8 +20,9 @@ from houle.grid import FloatArray
 class Impact:
     """The `largest` value of a pressure record [Pa], at `time` [s].
 
-    duration: how long the pressure is above half of it [s], without a break. impulse: its integral [Pa s] over that
-    time and as far as it goes on falling on both sides. lasting: largest mean over `window` [Pa, s].
+    duration: time [s] around the largest value in which the pressure stays above half of it. impulse: integral of the
+    pressure [Pa s] over that time and, on both sides, on to where it stops falling. lasting: largest mean of the
+    pressure [Pa] over a time of `window` [s].
     """
 
     largest: float

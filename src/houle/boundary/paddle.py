@@ -144,9 +144,9 @@ class Paddle(Boundary):
         tank.work.rhs[self.column] += tank.active[self.column] * flux
 
     def impose(self, tank: Tank) -> None:
-        """Sets the velocity of the face behind it by linear extrapolation, so that it is that of the paddle at x.
+        """Sets the velocity of the face behind the paddle by linear extrapolation from the water in front.
 
-        Then lets the command read the pressure.
+        So the velocity between the two faces is, at x, that of the paddle. Then lets the command read the pressure.
         """
         u, known = tank.velocity[0], tank.work.valid[0]
         lead = 1.0 / max(self.share, THIN)

@@ -1,4 +1,4 @@
-"""A relaxation zone: leads the flow towards a wave of theory, the more firmly the nearer to the wall.
+"""A relaxation zone: leads the flow towards a wave of theory, the more firmly the nearer to the side of the tank.
 
 It adds sigma (s u_wave - u) to the acceleration of the water, (26) in docs/theory.md. The part sigma s u_wave is a push
 on the faces. The part -sigma u is a linear resistance, which enters the implicit drag, solved together with the

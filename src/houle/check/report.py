@@ -1,4 +1,4 @@
-"""The output of `houle check`: findings, grid, waves, boundaries, drag and price; and the section as a picture."""
+"""The output of `houle check`: findings, grid, waves, boundaries, drag and cost; and the section as a picture."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ from houle.waves.wave import Wave
 def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:
     """Prints what `houle check` says about a case, and draws its section to the file `picture`.
 
-    threads: number for which the price is told. Raises CaseError when the case cannot be run: then nothing is printed
-    or drawn.
+    threads: number of threads for which the cost of the run is estimated. Raises CaseError when the case cannot be run:
+    then nothing is printed or drawn.
     """
     if not picture.resolve().parent.is_dir():
         raise CaseError(f"--picture {picture}: there is no folder {picture.parent}, make it or name another file")

@@ -16,6 +16,9 @@ def exists(path: Path) -> bool:
 
 
 def require_file(file: Path, key: str, error: type[CaseError] = CaseError) -> None:
-    """Raises `error` if a folder, a device or a pipe is at a path: a device or a pipe would be read for ever."""
+    """Raises `error` if a folder, a device or a pipe is at a path: a device or a pipe would be read for ever.
+
+    A missing file is left to the reader, whose own message says so.
+    """
     if exists(file) and not file.is_file():
         raise error(f"{key} = {file} cannot be read: it is a folder, a device or a pipe, no file")

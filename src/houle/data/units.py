@@ -29,7 +29,7 @@ def unit_of(name: str) -> tuple[str, str]:
     if found := re.fullmatch(r"(.+)_(cm|mm|ms|min|m|s)", word):
         return found[1], found[2]
     if re.search(r"\bx\s*=", word, re.IGNORECASE):
-        return word, ""  # the unit, if any, is that of the place
+        return word, ""  # "eta x=1.5 m": the unit belongs to the place x, not to the values
     known = "|".join(sorted(LENGTHS | TIMES, key=len, reverse=True))
     if found := re.fullmatch(rf"(.+?)\s*[/,]\s*({known})", word, re.IGNORECASE):
         return found[1], found[2]

@@ -1,7 +1,7 @@
 """Effect of an uncertain porosity and grain size on the drag of a porous body.
 
-Porosity is seldom known better than to 0.02, and drag goes with (1-n)/n^3: an error of 0.02 is one of b of a fifth,
-whoever computes it and however well.
+Porosity is seldom known better than to 0.02, and the quadratic drag b is proportional to (1-n)/n^3 in most laws: an
+error of 0.02 in the porosity makes one of a fifth in b, however well the flow is computed.
 """
 
 from __future__ import annotations
@@ -72,7 +72,8 @@ def drag_range(
 ) -> DragRange:
     """Coefficients a and b of a law of resistance, with what they become at the ends of porosity and grain diameter.
 
-    Every law goes one way with the porosity and with the grain diameter, so the ends are those of the range.
+    In every law a and b only grow or only fall with the porosity, and so with the grain diameter: the largest and the
+    smallest drag are at the four corners of the two ranges.
     """
     if not (porosity_error < min(porosity, 1 - porosity) and diameter_error < grain_diameter):
         raise DesignError(

@@ -113,7 +113,11 @@ class Boundary(Component):
         return {}
 
     def push(self, t: float, acceleration: Faces) -> None:
-        """Adds the acceleration with which it pushes the water at the time t [s] to that of the faces [m/s2]."""
+        """Adds the acceleration with which it pushes the water at the time t [s] to that of the faces [m/s2].
+
+        The faces are those of `touches`. A push that depends on the velocity of the water, tank.velocity, is found in
+        `drive`. Its work is booked as source_work of the ledger, whatever `work` says.
+        """
 
     # ---- in a step -----------------------------------------------------------------------------------------------
 

@@ -70,7 +70,10 @@ class Instrument:
 
     @property
     def highest(self) -> float:
-        """The highest level [m] at which the instrument looks for water, whether water is there or not."""
+        """The highest level [m] at which the instrument looks for water, whether water is there or not.
+
+        A run starts with rows of cells up to there at least (`houle.flow.rows`); 0 asks for none.
+        """
         return 0.0
 
 
@@ -114,7 +117,10 @@ class Observer(Component, ABC, Generic[R]):
         """The values now, as copies, by the names of `fields`: an array with one row per station, or one number."""
 
     def after_step(self, dt: float) -> None:
-        """Updates what accumulates from step to step, after a step of dt [s]; nothing by default."""
+        """Updates what accumulates from step to step, after a step of dt [s]; nothing by default.
+
+        The flow is the one given to `__init__`: an observer that needs it here keeps it.
+        """
 
     @classmethod
     @abstractmethod

@@ -67,7 +67,7 @@ class Workspace:
 
     @property
     def coefficient(self) -> Faces:
-        """Coefficients of a pressure system between cells, on faces, eq. (17)."""
+        """Coefficients of a pressure system between cells, on faces, (17) in docs/theory.md."""
         return self._system[:-2]
 
     @property

@@ -20,9 +20,9 @@ from houle.grid import FloatArray, Grid, beside, fixed, seen, spread
 from houle.medium.sections import Layer, PorousBody, repeated
 from houle.medium.shapes import Span, covers, polygons
 
-REACH = 2  # cells within which particles and faces see each other across an interface
-ALONG = 0.99  # n_a^2 below which an interface runs along faces of axis a, and not across (n: unit normal)
-PARALLEL = 1e-9  # 1 - |n_a| below which an interface is parallel to the faces of axis a
+REACH = 2  # cells around a cell: an interface in none of them does not concern the particles in it
+ALONG = 0.99  # square of the normal's part along an axis: with less, the interface does not lie across that axis
+PARALLEL = 1e-9  # 1 less the normal's part along an axis: with less, the interface is parallel to the axis's faces
 LEAST_SHARE = 1e-6  # share of the box around a face: another medium that takes less does not share the face
 ON_LINE = 1e-6  # [spacings] a point nearer to an interface lies on it
 ASIDE = 1e-3  # [spacings] distance from an interface at which the media of its two sides are looked up

@@ -1,11 +1,12 @@
 """Resistance of porous bodies: one function per published law, all giving the canonical pair a [1/s], b [1/m].
 
 The drag per unit mass of water is a u_d + b |u_d| u_d with the Darcy velocity u_d = n u. Every law has its own powers
-of the porosity n: coefficients may not be carried from one law to another. To add a law, copy the shortest function,
-change the formula, the citation and the range, and add its row to LAWS at the bottom: the case file, `houle describe`
-and the tests find it there. READ means that the formula was checked in the named source or in a code that implements
-it; RECALLED that it is written from memory of the literature and should be compared with the paper before it is
-trusted.
+of the porosity n: coefficients may not be carried from one law to another. To add a law, write a function like
+`ergun_1952`, whose docstring begins with the formula, and a row of LAWS below with its coefficients, citation and
+range: the case file, `houle describe` and the tests find it there. A case file may ask for n = 1: where the formula
+divides by 1 - n, the function returns (0, 0) there, as `huang_2003` does. READ means that the formula was checked in
+the named source or in a code that implements it; RECALLED that it is written from memory of the literature and should
+be compared with the paper before it is trusted.
 
 In oscillating flow of period T, b grows by the factor (1 + 7.5/KC) with the Keulegan-Carpenter number
 KC = |u_d| T/(n d). If KC is taken from the local velocity, this share of b |u_d| u_d is linear in u_d and does not
@@ -82,7 +83,7 @@ def huang_2003(n: float, d: float, nu: float) -> Pair:
 
 
 def from_permeability(permeability: float, forchheimer: float, nu: float) -> Pair:
-    """a = nu/K_p, b = C_f/sqrt(K_p): the pair of the literature on particles, K_p [m2], C_f [-]."""
+    """a = nu/K_p, b = C_f/sqrt(K_p), from a permeability K_p [m2] and a Forchheimer coefficient C_f [-]."""
     return nu / permeability, forchheimer / sqrt(permeability)
 
 

@@ -1,7 +1,7 @@
 """The observables of a run, one file for each: gauges, sensors, forces and others that a case can ask for.
 
     gauge, sensor, runup, overtopping, flux, phreatic, force, paddle, ledger    the observables of series.nc
-    profile, snapshot    the surface and the fields, for surface.nc and fields.vtkhdf
+    snapshot    the surface (`Profile`) and the fields, for surface.nc and fields.vtkhdf
     levels, points, patches    levels of columns, pressure between cell centres, and surfaces, for these
 
 They follow the protocol of `houle.flow.observer`: an `Instrument` as the case gives it, an `Observer` of all

@@ -153,11 +153,11 @@ class SurfaceLoad:
 class BodyLoad:
     """Force and moment on the grains of a porous body, -(1 - n) g + (a + b|u_d|) u_d + (C_r/n - 1) D u_d/Dt.
 
-    That is per density and volume; it is summed over the cells, each with the volume of the body in it that is wet. u_d
-    is the mean of the velocities before and after the forces of the step and D u_d/Dt their difference over its length:
-    both are of the instant of the pressure. Where the added mass stands before du/dt alone that difference is the
-    acceleration less its share 1 - 1/C_r of (u . grad) u_d, which the water has besides: so much less is left for the
-    grains.
+    That is per unit of volume, over the density of water; it is summed over the cells, each with the volume of the body
+    in it that is wet. u_d is the mean of the velocities before and after the forces of the step and D u_d/Dt their
+    difference over its length: both are of the instant of the pressure. Where the added mass stands before du/dt alone
+    that difference is the acceleration less its share 1 - 1/C_r of (u . grad) u_d, which the water has besides: so much
+    less is left for the grains.
     """
 
     def __init__(self, flow: Flow, number: int, about: FloatArray) -> None:
@@ -208,8 +208,8 @@ class BodyLoad:
 def positive_part(first: FloatArray, last: FloatArray, cut_off: np.ndarray) -> tuple[FloatArray, ...]:
     """The part of each patch on which a pressure, linear from `first` to `last`, is above 0.
 
-    Start and end of it in 0..1, and the pressure there. Patches that are not `cut_off` keep their suction: deep in the
-    water it is real.
+    Returns where that part starts and ends, as shares 0..1 of the length of the patch, and the pressure at both.
+    Patches that are not `cut_off` keep their suction: deep in the water it is real.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = np.where(first != last, first / (first - last), 0.0)

@@ -156,8 +156,8 @@ class LedgerRow(Observer[Books]):
     def mean_level(self) -> float:
         """Mean level [m]: volume of the water under the free surface over the plan area.
 
-        Columns with a level count by it; the others (steep, overhanging, beside interfaces) by the water that they
-        hold.
+        A column with a single-valued surface counts with the volume below its level; any other (steep, overhanging,
+        beside interfaces) with the volume of the water in it.
         """
         return self._storage.mean_level(self.flow.eta, self.flow.boundaries.column_share, water_held(self.flow))
 
@@ -176,7 +176,8 @@ class LedgerRow(Observer[Books]):
 def water_held(flow: Flow) -> tuple[NDArray[np.bool_], FloatArray]:
     """Mask of the columns without a level, or beside interfaces and solids; water in these over the plan area (C,) [m].
 
-    A column has no level if its surface is that of its cells: it is steep, overhanging, splashing, or beside such.
+    A column has no level of its own where its surface is not single-valued: it is steep, overhanging, splashing, or
+    beside such a column. Its surface is then found from the submergence of its cells.
     """
     columns = flow.eta != flow.single_level * flow.grid.spacing[-1]
     columns.ravel()[flow.mixed.column] = True

@@ -98,5 +98,5 @@ class Sensors(Observer[Sensor]):
         weight = np.where(wet | (below != 0.0), self.weight, 0.0)
         total = weight.sum(axis=1)
         found = (weight * beyond).sum(axis=1) / np.where(total > 0.0, total, 1.0) + self.rest
-        at_surface = (~wet & (self.weight > 0.0)).any(axis=1) | (found + self.moved >= 0.0)  # no suction where it looks
+        at_surface = (~wet & (self.weight > 0.0)).any(axis=1) | (found + self.moved >= 0.0)  # no suction there
         return np.where(total > 0.0, np.where(at_surface, np.maximum(found, 0.0), found), 0.0)

@@ -108,7 +108,7 @@ class Sheet:
         return path
 
     def legend(self, handles: Sequence[Any], above: float = 0.1) -> None:
-        """Puts a legend into the lower margin at the right, so many inches above the edge."""
+        """Puts a legend in one row into the lower margin at the right; above: inches from the edge of the sheet."""
         if not handles:
             return
         height = self.figure.get_size_inches()[1]
@@ -126,7 +126,9 @@ class Sheet:
         )
 
     def key(self, handles: Sequence[Any], above: float = 0.1) -> None:
-        """Puts a key of the marks under the panels, in rows from the left; above: inches from the edge to the last row.
+        """Puts a legend of many marks under the panels, in rows from the left.
+
+        above: inches from the edge of the sheet to the last row.
 
         `key_height` tells how much of the lower margin it takes.
         """

@@ -33,7 +33,7 @@ def multiple(k: int, interval: float) -> float:
 
 @dataclass(frozen=True)
 class Observed:
-    """A sample, the time [s] at the end of the step it was taken after, and the length of that step [s]."""
+    """A sample taken at the end of a step, with the time [s] at that end and the length of the step [s]."""
 
     time: float
     step: float
@@ -106,7 +106,8 @@ class Nowhere:
 class Recorder:
     """Hands rows and frames to the writers. Call start() at time 0 or restore(), then step() after every step.
 
-    Velocities belong to the middle of a step and pressures to its beginning, so that a row waits for one more step.
+    In the default scheme velocities belong to the middle of a step and pressures to its beginning, so that a row waits
+    for one more step.
     `finish()` writes the last one, at the end of a run.
     """
 

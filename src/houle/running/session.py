@@ -117,7 +117,10 @@ class Session:
         return self
 
     def march(self, until: float | None) -> bool:
-        """Makes steps to the end of the case, or past `until` [s]; True at the end. It can be resumed in any case."""
+        """Makes steps until the end of the case, or until the time is at or past `until` [s].
+
+        Returns True at the end of the case. A checkpoint is written either way, from which the run can be resumed.
+        """
         target = min(self.case.time.end, until if until is not None else self.case.time.end)
         self.says.start(self.simulation, target)
         try:

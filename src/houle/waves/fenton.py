@@ -29,7 +29,7 @@ ORDERS = (8, 12, 18, 27, 40, 60, 90, 128)  # tried until the last harmonics are 
 NEGLIGIBLE = 1e-9  # last harmonic of the surface relative to the height
 CONVERGED = 1e-13  # residual of the equations at which Newton's method ends
 ITERATIONS = 25
-LONGER = 1.2  # the most by which steep waves are longer than linear ones
+LONGER = 1.2  # largest ratio of the length of a steep wave to that of the linear one
 DEEPEST = 600.0  # largest N k d: cosh(N k d) must be a number
 
 

@@ -21,7 +21,10 @@ PHASES = 512  # points of a period over which the mass flux is averaged: exact f
 
 
 def transport(k: float, depth: float, elevation: Array, velocity: Array) -> float:
-    """Mean of the integral of sum C_j cosh(jkz) cos(j theta) from bed to surface [m2/s]: E_j (N,), C_j (N,)."""
+    """Mean discharge per metre of width [m2/s] of the velocity sum C_j cosh(jkz) cos(j theta), from bed to surface.
+
+    elevation (N,): E_j [m], harmonics of the surface; velocity (N,): C_j [m/s].
+    """
     j = np.arange(1, len(elevation) + 1)[:, None]
     theta = np.arange(PHASES) * (2 * np.pi / PHASES)
     cos = np.cos(j * theta)

@@ -21,7 +21,10 @@ ITERATIONS = 60
 
 
 def series(k: float, height: float, depth: float, gravity: float, order: int) -> tuple[Array, Array, float]:
-    """E_j [m], C_j [m/s] (j = 1..order) and the celerity where the mean Eulerian velocity is zero [m/s]."""
+    """Harmonics j = 1..order of the surface, E_j [m], and of the velocity, C_j [m/s]; the celerity [m/s].
+
+    The velocity is sum C_j cosh(j k z) cos(j theta). The celerity is that where the mean Eulerian velocity is zero.
+    """
     from raschii import StokesWave  # here: only Stokes waves need it
 
     wave = StokesWave(height=height, depth=depth, length=2 * pi / k, N=order, g=gravity)

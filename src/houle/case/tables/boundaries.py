@@ -1,7 +1,8 @@
 """Boundaries of the water besides its makers of waves: [[gate]] [[open]] [[sponge]] [[absorber]].
 
 A boundary of `houle.boundary` is made from the keys of its table, by the row of the same name (`houle.registry`). To
-add one, write its class and row there, and here its table and its line of `Boundaries`.
+add one, write its class and row there, and here its table and its line of `Boundaries`. Its place is checked when a run
+is set up, by `Boundary.join`; `houle check` looks at it only if a function in `houle.check.boundaries` does.
 """
 
 from __future__ import annotations

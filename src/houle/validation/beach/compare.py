@@ -1,4 +1,4 @@
-"""The beach must be sound; heights and set-up stand beside the record of Hansen & Svendsen (1979)."""
+"""The run must reach its end and keep its volume; heights and set-up stand beside Hansen & Svendsen (1979)."""
 
 from __future__ import annotations
 

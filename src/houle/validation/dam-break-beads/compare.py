@@ -1,4 +1,4 @@
-"""No open laboratory data: reported are the levels before and in the beads; checked is the volume."""
+"""There are no open laboratory data: levels in front of and in the beads are reported, the volume is checked."""
 
 from __future__ import annotations
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 DATA = Path(__file__).parent / "data"
 POINTS, TABLE = read_points(DATA / "front.csv"), read_points(DATA / "table2.csv")
 WIDTH = 0.05715  # a [m]
-DELAY = 0.175  # delay of the laboratory's clock, in T, as stated in the literature; nothing else is shifted
-THICKNESS = WIDTH / 20  # m, of the water that counts as the front
+DELAY = 0.175  # delay of the laboratory's clock, as T = t sqrt(2 g/a), stated in the literature; no other shift
+THICKNESS = WIDTH / 20  # [m] thinner water does not count as the front
 MEAN, WORST = 3.0, 8.0  # %
 
 
