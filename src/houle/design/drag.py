@@ -23,12 +23,12 @@ class DragRange(Answer):
     """Drag a u + b |u| u of a porous body with its range; `low` and `high` are those of b."""
 
     b: float = quantity("coefficient of the quadratic drag", "1/m")
-    b_low: float = quantity("the same of the loosest and coarsest body", "1/m")
-    b_high: float = quantity("the same of the densest and finest body", "1/m")
+    b_low: float = quantity("smallest b within the errors of porosity and grain diameter", "1/m")
+    b_high: float = quantity("largest b within the errors of porosity and grain diameter", "1/m")
     b_spread: float = quantity("half the range of b over b", "-")
     a: float = quantity("coefficient of the linear drag", "1/s")
-    a_low: float = quantity("the same of the loosest and coarsest body", "1/s")
-    a_high: float = quantity("the same of the densest and finest body", "1/s")
+    a_low: float = quantity("smallest a within the errors of porosity and grain diameter", "1/s")
+    a_high: float = quantity("largest a within the errors of porosity and grain diameter", "1/s")
 
 
 def drag_of(law: str, porosity: float, grain_diameter: float, viscosity: float, period: float | None = None) -> Pair:

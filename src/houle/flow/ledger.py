@@ -77,7 +77,7 @@ class Ledger(Component):
     drag_work      energy that the porous bodies took
     viscous_work   energy that the viscosity took
     sponge_work    energy that sponges and relaxation zones took
-    source_work    work of wave makers and moving walls on the water
+    source_work    work on the water of moving walls and of boundaries that push it, as wave makers do
     open_work      work of the pressure at open sides on the water
     given          work of makers, moving walls and open sides, summed over the steps in which it was positive
     kinetic, potential   energy of the water after the last operation

@@ -24,7 +24,8 @@ _WORKS = {
     "sponge_work": ("W_s", "energy of the water taken by sponges and relaxation zones since the start"),
     "source_work": (
         "W_w",
-        "energy given to the water by wave makers and moving walls, less what they took, since the start",
+        "energy given to the water by moving walls and by boundaries that push it, as wave makers do, less what they "
+        "took, since the start",
     ),
     "open_work": ("W_o", "work of the pressure on the water at open sides since the start"),
 }

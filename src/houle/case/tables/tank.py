@@ -81,7 +81,7 @@ class Domain(Table):
             examples=[[1.0, 0.5]],
         ),
     ]
-    spacing: float = Field(gt=0, description="grid spacing; particles start at half of it [m]", examples=[0.005])
+    spacing: float = Field(gt=0, description="grid spacing; particles start half a spacing apart [m]", examples=[0.005])
     walls: Walls = Field(default=Walls(), description='"slip", "no-slip", or a table of sides')
 
     @model_validator(mode="after")
