@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from houle.design.errors import DesignError
     from houle.design.formula import FORMULAS, Answer, Formula
     from houle.design.mound import CoreScale, PorePressure, core_scale, pore_pressure
+    from houle.design.nearest import LaboratoryTest, NearestTests, Neighbour, nearest_tests
     from houle.design.overtopping import (
         Overtopping,
         overtopping_mound,
@@ -55,7 +56,10 @@ __all__ = [
     "DragRange",
     "Drawdown",
     "Formula",
+    "LaboratoryTest",
     "LimitSpeed",
+    "NearestTests",
+    "Neighbour",
     "Overtopping",
     "PorePressure",
     "ReflectionOfSlope",
@@ -71,6 +75,7 @@ __all__ = [
     "armour_van_gent",
     "core_scale",
     "drag_range",
+    "nearest_tests",
     "overtopping_mound",
     "overtopping_slope",
     "overtopping_wall",
@@ -96,6 +101,7 @@ _MODULES = {
     "errors": ("DesignError",),
     "formula": ("FORMULAS", "Answer", "Formula"),
     "mound": ("CoreScale", "PorePressure", "core_scale", "pore_pressure"),
+    "nearest": ("LaboratoryTest", "NearestTests", "Neighbour", "nearest_tests"),
     "overtopping": (
         "Overtopping",
         "overtopping_mound",
