@@ -1,6 +1,8 @@
 // The part of the bindings that treats arguments, the same for all bound functions: compiled once.
 #include "arguments.hpp"
 
+#include <houle/exec/tables.hpp>
+
 namespace houle {
 
 // The first argument of a call that no function took, in the second of nanobind's two passes over the overloads: the
@@ -163,18 +165,18 @@ void require_table(const View<T>& v, const char* name, Table kind, index limit) 
   bool wrong = false;
   if (kind == Table::numbers || kind == Table::some) {
     const std::remove_const_t<T> none = kind == Table::some ? -1 : 0;
-    std::remove_const_t<T> least = v.size > 0 ? v.data[0] : 0, most = least;
-    for (index i = 1; i < v.size; ++i) least = std::min(least, v.data[i]), most = std::max(most, v.data[i]);
-    wrong = v.size > 0 && (least < none || most >= limit);
+    if (v.size > 0) {
+      const auto ends = ends_of(v.data, v.size);
+      wrong = ends.least < none || ends.most >= limit;
+    }
     if (wrong)
       refuse(std::string(name) + " has numbers outside " + std::to_string(none) + " to " + std::to_string(limit - 1));
   } else {
-    wrong = v.size < 1 || v.data[0] != 0 || v.data[v.size - 1] != limit;
-    const std::int64_t least = kind == Table::groups ? 1 : 0;
-    for (index i = 1; i < v.size; ++i) wrong |= v.data[i] < v.data[i - 1] + least;
+    const bool strictly = kind == Table::groups;
+    wrong = v.size < 1 || v.data[0] != 0 || v.data[v.size - 1] != limit || !grows(v.data, v.size, strictly);
     if (wrong)
       refuse(std::string(name) + " does not fit: it must grow from 0 to " + std::to_string(limit) +
-             (least ? " by one at least" : " and never fall"));
+             (strictly ? " by one at least" : " and never fall"));
   }
   if (v.read_only) note_table(v.owner, v.data, kind, limit);
 }
