@@ -214,7 +214,7 @@ def read_everything(file: Path, rng: random.Random) -> None:
     elif way == 1:
         read_record(Waves(kind="series", file=str(file), depth=1.0, zone={"x": (0.0, 1.0)}))
     elif way == 2:
-        csv_table.header(file, "open.left.file")
+        csv_table.columns_in(file, ("velocity_m_s", "level_m"), "open.left.file")
         csv_table.read_columns(file, ("t_s", "level_m"), "open.left.file")
     else:
         data = analysis.read_csv(file, rng.choice([None, [0.5], [0.5, 1.0], [0.0, 0.31, 0.55]]))

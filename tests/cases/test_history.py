@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from houle.case.model import load
+from houle.case.tables.boundaries import records
 from houle.check import rules
 from houle.errors import CaseError
 from houle.waves.piston import law_of, reading_of
@@ -178,3 +179,13 @@ def test_start_and_gap_belong_to_a_file():
     with pytest.raises(CaseError, match=r"start belongs to file"):
         load({"case": {"name": "a"}, "domain": {"size": [4.0, 0.5], "spacing": 0.02}, "water": [{"below": 0.3}],
               "open": [{"side": "left", "level": 0.3, "start": 3.0}], "time": {"end": 1.0}})  # fmt: skip
+
+
+def test_open_sides_read_their_columns_in_other_units(tmp_path):
+    """Levels in mm and velocities in cm/s are those in m and m/s."""
+    found = []
+    for columns, level, speed in (("level_m,velocity_m_s", 1.0, 1.0), ("Level [mm],velocity_cm_s", 1000.0, 100.0)):
+        write(tmp_path, T, level * (0.3 + EVENT), speed * EVENT, columns=columns)
+        found.append(records(river(tmp_path).open[0], tmp_path))
+    for key in ("level", "velocity"):
+        np.testing.assert_allclose(found[1][key].value, found[0][key].value, atol=2e-6)  # six decimals are written

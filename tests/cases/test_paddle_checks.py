@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import copy
+import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from houle import load
@@ -88,3 +90,69 @@ def test_gauges_behind_a_wall_and_forces_on_a_dry_one_are_warned_of():
 def test_one_maker_is_given():
     with pytest.raises(CaseError, match=r"source and piston are given together; give exactly one of .*piston = \{x"):
         load(flume(waves__source={"x": 2.0}))
+
+
+# ---- a paddle moved from a file --------------------------------------------------------------------------------------
+
+T = np.arange(0.0, 12.001, 0.05)
+PUSH = 0.1 * (1 + np.tanh(2.0 * (T - 4.0)))  # 0.2 m to the right
+
+
+def recorded(folder, values, time=T, column="displacement_m", changes=None, **waves):
+    """The flume with a paddle that moves by a file."""
+    text = "\n".join(f"{t:.9g},{v:.12g}" for t, v in zip(time, values, strict=True))
+    (folder / "paddle.csv").write_text(f"t_s,{column}\n{text}\n")
+    data = flume(**(changes or {}))
+    data["waves"] = {"kind": "paddle", "file": "paddle.csv", "depth": 0.25, "piston": {"x": 0.4}, **waves}
+    data["time"] = {"end": 10.0}
+    (folder / "a.toml").write_text(load(data).to_toml())
+    return load(folder / "a.toml")
+
+
+def told(case, *levels):
+    return [str(f) for f in check(case) if f.level in levels]
+
+
+def test_a_sound_record_is_sound_and_says_what_the_wall_does(tmp_path):
+    case = recorded(tmp_path, PUSH - 0.15, changes={"absorber": [], "gauge": []})
+    assert told(case, "error", "warning") == []
+    assert any("has -0.15 m at the start of the run: its 0 is at x = 0.55 m" in t for t in told(case, "info"))
+    words = dict(wave_rows(case))["made by"]
+    assert "piston at x = 0.4 m, stroke 0.2 m" in words and "moves from 0.4 to 0.6 m" in words
+    assert "moves as the file says, 241 samples, one every 0.05 s, at most 0.2 m/s and 0.308 m/s2" in words
+
+
+@pytest.mark.parametrize(
+    ("values", "keys", "level", "words"),
+    [
+        (-PUSH, {"piston": {"x": 0.2}}, "error", r"waves\.piston\.x = 0.2 m: it goes 0.2 m to the left and needs 3"),
+        (50 * PUSH, {}, "error", r"waves\.file: the paddle moves at up to 10 m/s, above 2 sqrt\(g d\) = 3.13 m/s"),
+        (PUSH, {"start": 100.0}, "error", r"the paddle does not move after the start of the run"),
+        (0.02 * np.sin(4 * T), {}, "warning", r"waves\.start .*the wall starts at 0.08 m/s at once; .* or give ramp"),
+        (0.1 * np.sin(2 * np.pi * T / 0.31) * (T < 1e9), {"ramp": 2.0}, "warning", r"lies .*% of its range off"),
+        (PUSH + 4e-3 * (-1.0) ** np.arange(len(T)), {}, "warning", r"accelerated by up to .* g: noise in the samples"),
+    ],
+)  # fmt: skip
+def test_records_that_are_doubtful_are_told(tmp_path, values, keys, level, words):
+    case = recorded(tmp_path, values, changes={"absorber": [], "gauge": []}, **keys)
+    said = told(case, level)
+    assert any(re.search(words, text) for text in said), said
+
+
+def test_a_record_that_ends_in_motion_or_has_a_hole_is_told(tmp_path):
+    case = recorded(tmp_path, (0.02 * np.sin(T))[:100], T[:100])
+    assert any("after 4.95 s the wall stands still" in t for t in told(case, "warning"))
+    kept = np.abs(T - 4.0) > 0.3
+    (error,) = [t for t in told(recorded(tmp_path, PUSH[kept], T[kept]), "error") if "no sample" in t]
+    assert "a curve of 0.7 s would stand for it" in error
+    assert not [t for t in told(recorded(tmp_path, PUSH[kept], T[kept], gap=1.0), "error") if "no sample" in t]
+
+
+def test_structures_stay_out_of_its_way(tmp_path):
+    case = recorded(tmp_path, PUSH, changes={"solid": [{"box": [[0.6, 0.0], [1.0, 0.1]]}]})
+    assert any("stands in the way of waves.piston" in t and "between 0.4 and 0.6 m" in t for t in told(case, "error"))
+
+
+def test_a_drifting_velocity_is_seen_in_the_stroke(tmp_path):
+    case = recorded(tmp_path, np.full(len(T), 0.05), column="velocity_m_s", ramp=1.0)
+    assert "stroke 0.6" in dict(wave_rows(case))["made by"]

@@ -36,6 +36,7 @@ NAMED = {  # what the project promises
     "wave-slope",
     "solitary-wall",
     "solitary-submerged",
+    "solitary-paddle",
     "breakwater",
     "beach",
     "bank-ship-wave",

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from situations import copy_state, differing, simulation
 
-from houle import _core
+from houle import _core, load
 from houle.boundary.paddle import Command, Paddle
+from houle.case.build import build
 from houle.errors import SimulationError
+from houle.flow.simulation import Simulation
 from houle.flow.start import prepare
 from houle.waves.dispersion import group_velocity, wave_number
 
@@ -218,3 +220,80 @@ def test_what_a_wave_carries_arrives():
     work = float(sim.sample()["source_work"]) - before
     k = float(wave_number(2 * np.pi / 1.6, 0.4))
     assert work == pytest.approx(9810.0 * 0.06**2 / 8 * float(group_velocity(k, 0.4)) * 3.2, rel=0.08)
+
+
+# ---- a paddle moved from a file --------------------------------------------------------------------------------------
+
+
+def from_file(folder, time, values, column="displacement_m", waves=None, **overrides):
+    """The flume with a paddle that moves by these samples."""
+    text = "\n".join(f"{float(t)!r},{float(v)!r}" for t, v in zip(time, values, strict=True))
+    (folder / "paddle.csv").write_text(f"t_s,{column}\n{text}\n")
+    table = {"kind": "paddle", "file": "paddle.csv", "depth": 0.4, "piston": {"x": 0.4}, **(waves or {})}
+    (folder / "a.toml").write_text(load({**FLUME, "waves": table}).to_toml())
+    return Simulation(build(load(folder / "a.toml", overrides)))
+
+
+UNEVEN = np.cumsum(np.random.default_rng(2).uniform(0.02, 0.15, 60))
+
+
+def test_the_wall_stands_where_the_file_says_at_each_sample_and_no_water_is_lost(tmp_path):
+    way = 0.06 * (1 + np.tanh(3.0 * (UNEVEN - 1.2))) - 0.07 + 1e-4 * np.random.default_rng(4).standard_normal(60)
+    sim = from_file(tmp_path, UNEVEN, way)
+    volume = sim.particles.total_volume
+    for t, x in zip(UNEVEN[:24], way[:24], strict=True):
+        to(sim, float(t))
+        assert sim.time == t
+        assert sim.flow.boundaries[0].x - 0.4 == pytest.approx(x - way[0], abs=1e-15)
+        assert abs(sim.particles.total_volume / volume - 1.0) < 1e-14
+    assert sim.flow.boundaries[0].x > 0.5  # it has gone through cells
+
+
+def test_samples_of_the_motion_for_a_solitary_wave_make_that_wave(tmp_path):
+    """Twice as many of them: sixteen times nearer to the run that goes by the law itself."""
+    waves = {"kind": "solitary", "height": 0.08, "depth": 0.4, "piston": {"x": 0.4}}
+    table = {**FLUME, "time": {"end": 3.0, "step": 0.005}}
+    law = simulation(table, waves=waves)
+    motion = law.flow.boundaries[0].command.law
+    offsets = [0.0]
+    for i in range(3000):
+        offsets.append(offsets[-1] + motion.way(0.001 * i, 0.001, offsets[-1]))
+    to(law, 2.4)
+    off = []
+    for every in (160, 80):
+        folder = tmp_path / str(every)
+        folder.mkdir()
+        sim = from_file(folder, 0.001 * np.arange(0, 3001, every), offsets[::every], **{"time.step": 0.005})
+        to(sim, 2.4)
+        off.append(np.nanmax(np.abs(sim.flow.eta - law.flow.eta)))
+        assert sim.flow.boundaries[0].x == pytest.approx(law.flow.boundaries[0].x, abs=2e-5)
+    assert np.nanmax(law.flow.eta) > 0.47
+    assert off[0] < 4e-5 and off[1] < off[0] / 10  # m; a spline of fourth order
+
+
+def test_a_run_with_a_file_that_was_stopped_goes_on_to_the_last_bit(tmp_path):
+    t = np.arange(0.0, 3.0, 0.05)
+    for column, duration in (("displacement_m", 0.0), ("velocity_m_s", 1.0)):
+        values = 0.05 * np.sin(2 * np.pi * t / 1.6) + 0.03
+        sim = to(from_file(tmp_path, t, values, column, {"ramp": duration}), 0.9)
+        state = copy_state(sim)
+        for _ in range(15):
+            sim.advance(100.0)
+        again = from_file(tmp_path, t, values, column, {"ramp": duration})
+        again.restore(state)
+        for _ in range(15):
+            again.advance(100.0)
+        assert differing(copy_state(sim), copy_state(again)) == []
+        assert sim.flow.boundaries[0].x != 0.4
+
+
+def test_with_a_file_the_number_of_threads_changes_no_bit(tmp_path):
+    t, states = np.arange(0.0, 3.0, 0.05), []
+    for threads in (1, 2):
+        _core.set_threads(threads)
+        sim = from_file(tmp_path, t, 0.05 * np.sin(2 * np.pi * t / 1.6), waves={"ramp": 0.4})
+        for _ in range(25):
+            sim.advance(100.0)
+        states.append(copy_state(sim))
+    _core.set_threads(1)
+    assert differing(*states) == []

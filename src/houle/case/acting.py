@@ -9,6 +9,7 @@ from houle.boundary.internal_source import ACTS, Source, source_width
 from houle.case.messages import place
 from houle.case.model import Case
 from houle.case.tables.waves import Piston, Waves, Zone
+from houle.waves.paddle import PaddleWave
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.wave import Wave
 
@@ -27,6 +28,8 @@ def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
     assert waves is not None and waves.piston is not None
     rest = case.domain.grid.nearest_face(waves.piston.x)
     read = reading_of(wave, wave.depth, wave.gravity)
+    if isinstance(wave, PaddleWave):
+        return wave.motion, read, rest
     return law_of(wave, rest, read, waves.ramp_time(), regular=waves.kind == "regular"), read, rest
 
 

@@ -6,14 +6,18 @@ from math import cos, radians
 from pathlib import Path
 
 from houle.case.tables.waves import Waves
+from houle.data.csv_table import columns_in
+from houle.data.files import require_file
 from houle.data.history import History, read_history
 from houle.waves import record, spectra, theories
 from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
+from houle.waves.paddle import PaddleWave, RecordedMotion, elevation, require_moves
 from houle.waves.wave import THEORIES, Wave, WaveError
 
 ARRIVES = 1.5  # half lengths before the maker at which the crest of a solitary wave without focus is at t = 0
 LEAST = 4  # fewest samples in a record
+MOTIONS = {"displacement": "displacement_m", "velocity": "velocity_m_s"}  # columns of waves.file of a paddle
 
 
 def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
@@ -30,6 +34,13 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
         known = read_record(table, folder)
         eta = known.values[0]
         return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
+    if table.kind == "paddle":
+        quantity, known = read_motion(table, folder)
+        rests = known.resting(True, rest_of(quantity))
+        motion = RecordedMotion.of(known.time, known.values[0], quantity, rests, table.ramp_time())
+        require_moves(motion, table.depth, gravity)
+        time, eta = elevation(motion, table.depth, gravity)
+        return PaddleWave.sent_by(motion, record.series(time, eta, table.depth, gravity, place=table.place))
     height, period = float(table.height or 0), float(table.period or 0)
     if table.kind == "regular":
         return carried(
@@ -68,3 +79,22 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
 def read_record(table: Waves, folder: Path = Path()) -> History:
     """Times [s], 0 at `waves.start` of the file, and elevations [m] of its columns t_s, eta_m. Raises WaveError."""
     return read_history(folder / str(table.file), ("eta_m",), "waves.file", LEAST, table.start, WaveError)
+
+
+def read_motion(table: Waves, folder: Path = Path()) -> tuple[str, History]:
+    """What the file of a paddle holds, "displacement" or "velocity", and its samples [m] or [m/s] at times [s], 0 at
+    `waves.start` of the file. Raises WaveError.
+    """
+    file, key = folder / str(table.file), "waves.file"
+    require_file(file, key, WaveError)
+    there = columns_in(file, tuple(MOTIONS.values()), key, WaveError)
+    if len(there) != 1:
+        held = "both are there: keep one of them" if there else "neither is there"
+        raise WaveError(f"{key} = {file} needs a column t_s and one of {' or '.join(MOTIONS.values())}; {held}")
+    quantity = next(name for name, column in MOTIONS.items() if column == there[0])
+    return quantity, read_history(file, (there[0],), key, LEAST, table.start, WaveError)
+
+
+def rest_of(quantity: str) -> float | None:
+    """The value of what a file of a paddle holds at which the wall is at rest; None: any that stays."""
+    return 0.0 if quantity == "velocity" else None

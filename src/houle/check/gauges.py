@@ -10,7 +10,7 @@ from houle.case.acting import reach
 from houle.case.model import Case
 from houle.case.section import CrossSection
 from houle.case.tables.results import Reflection
-from houle.case.tables.waves import Source
+from houle.case.tables.waves import PASSING, Source
 from houle.check.finding import Finding
 from houle.results.reflection import limits
 from houle.waves.wave import Wave
@@ -60,7 +60,7 @@ def steady(case: Case) -> Finding | None:
     None without gauges, and for waves that pass only once.
     """
     wave, waves = case.wave, case.waves
-    if wave is None or waves is None or waves.kind in ("solitary", "focused", "series"):
+    if wave is None or waves is None or waves.kind in PASSING:
         return None
     fewest, end = FEWEST if waves.kind == "regular" else FEWEST_OF_A_SPECTRUM, case.time.end
     if case.reflection is not None:

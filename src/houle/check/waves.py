@@ -22,7 +22,7 @@ from houle.case.model import Case
 from houle.case.section import CrossSection
 from houle.case.tables.boundaries import Sponge
 from houle.case.tables.waves import Piston, Source, Waves, Zone
-from houle.case.wave import read_record
+from houle.case.wave import read_motion, read_record, rest_of
 from houle.check.finding import Finding
 from houle.check.wave_theory import assess
 from houle.data.history import shortcomings
@@ -30,6 +30,7 @@ from houle.errors import CaseError, metres
 from houle.medium import shapes
 from houle.waves import record
 from houle.waves.dispersion import group_velocity
+from houle.waves.paddle import PaddleWave, RecordedMotion
 from houle.waves.wave import Wave
 
 LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths: a zone or a sponge shorter than this is warned of
@@ -38,6 +39,10 @@ SAME = 1e-3  # depths that differ by no more are the same: [m], or as a share of
 TOLD = 0.35  # share of the rms of a record that a source may leave out without a warning (`left_out`)
 OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
+RECORDED = ("series", "paddle")  # waves with no one length
+COARSE = 0.02  # of the stroke: what a straight line between the samples of a paddle lies off the curve, 11 to a period
+MOVES = 0.05  # of its largest speed: what moves faster is not at rest
+SHARP = 0.5  # g: more than a laboratory's paddle is accelerated by
 SAMPLES = 51  # places along a maker at which the depth is compared
 
 
@@ -54,7 +59,7 @@ def waves_fit(s: CrossSection) -> Iterator[Finding]:
         return
     for level, text in assess(wave, max(s.grid.spacing)):
         if level != "info":
-            yield _told(level, text)
+            yield _told("warning" if isinstance(wave, PaddleWave) else level, text)
     look = {Source: _source, Zone: _zone, Piston: _piston}[type(table.maker)]
     found = list(look(s, wave))
     yield from found
@@ -66,6 +71,8 @@ def waves_fit(s: CrossSection) -> Iterator[Finding]:
     yield from _crests(s, wave)
     if table.kind == "series":
         yield from _record(s, wave)
+    if isinstance(wave, PaddleWave):
+        yield from _motion(s, wave.motion)
     if table.focus is not None:
         yield from _focus(s, wave)
 
@@ -95,6 +102,37 @@ def _record(s: CrossSection, wave: Wave) -> Iterator[Finding]:
                 "ends that lead it to still water; waves.zone or waves.piston make them"
             )
             yield Finding("warning" if share > TOLD else "info", "waves.file", text)
+
+
+def _motion(s: CrossSection, motion: RecordedMotion) -> Iterator[Finding]:
+    """The record of a paddle meets the clock of the run, starts at rest, is sampled well, and is that of a paddle."""
+    table, case = s.case.waves, s.case
+    assert table is not None and table.file is not None and table.piston is not None
+    quantity, known = read_motion(table, case.folder)
+    still = rest_of(quantity)
+    name = f'= "{table.file}"'
+    for level, text in shortcomings(known, case.time.end, table.gap, still, "the wall stands still", "a curve"):
+        yield Finding(level, "waves.file", f"{name} {text}")
+    if quantity == "displacement" and motion.zero:
+        place = case.domain.grid.nearest_face(table.piston.x) - motion.zero
+        text = f"{name} has {motion.zero:.4g} m at the start of the run: its 0 is at x = {place:.4g} m"
+        yield Finding("info", "waves.file", text)
+    start = max(0.0, float(known.time[0]))
+    if start < case.time.end and (speed := abs(float(motion.velocity(start)))) > MOVES * motion.fastest:
+        text = f"{name}: the wall starts at {speed:.3g} m/s at once; start where the record is at rest, or give ramp"
+        yield Finding("warning", "waves.start", text)
+    if (off := motion.coarse) > COARSE:
+        text = (
+            f"{name} has a sample every {known.step:.3g} s: the curve through them lies {off:.1%} of its range off "
+            f"straight lines, so it is a guess; {COARSE:.0%} come of some eleven samples to a period"
+        )
+        yield Finding("warning", "waves.file", text)
+    if motion.hardest > SHARP * (g := case.fluid.gravity):
+        text = (
+            f"{name}: the wall is accelerated by up to {motion.hardest:.3g} m/s2, {motion.hardest / g:.2g} g: noise in "
+            "the samples, or other units than the header says?"
+        )
+        yield Finding("warning", "waves.file", text)
 
 
 def _focus(s: CrossSection, wave: Wave) -> Iterator[Finding]:
@@ -234,7 +272,7 @@ def _zone(s: CrossSection, wave: Wave) -> Iterator[Finding]:
     elif end >= size:
         text = f"= [{start:g}, {end:g}] ends outside the domain, 0 < x < {size:g} m.{metres(end, size)}"
         yield Finding("error", "waves.zone.x", text)
-    elif (share := (end - start) / wave.length) < _long_enough(case) and wave.name != "series":
+    elif (share := (end - start) / wave.length) < _long_enough(case) and wave.name not in RECORDED:
         text = (
             f"= [{start:g}, {end:g}] is {share:.2f} of the wavelength {wave.length:.3g} m: the longer, the better the "
             f"wave and the less comes back; x = [0, {1.5 * wave.length:.3g}]"
@@ -337,7 +375,7 @@ def _lid(s: CrossSection, wave: Wave) -> Iterator[Finding]:
             f"they would hit the lid; height {better:.3g}"
         )
         yield Finding("error", "domain.size", text)
-    elif wave.name != "series":
+    elif wave.name not in RECORDED:
         text = (
             f"= {top:g} m high leaves {freeboard:.3g} m above the still water: crests of {wave.crest:.3g} m "
             f"of a wave that is sent back whole rise {2 * wave.crest:.3g} m and more; height {better:.3g}"
@@ -440,7 +478,7 @@ def _long(s: CrossSection, i: int, sponge: Sponge, wave: Wave | None) -> Iterato
     """The sponge is long enough beside the wave: a short one reflects it."""
     axis, _ = sides(sponge.box, s.case.domain.size, min(s.grid.spacing) / 2)[0]
     long = sponge.box[1][axis] - sponge.box[0][axis]
-    if wave is not None and long < _long_enough(s.case) * wave.length and wave.name != "series":
+    if wave is not None and long < _long_enough(s.case) * wave.length and wave.name not in RECORDED:
         text = (
             f"is {long:.3g} m long, {long / wave.length:.2f} of the wavelength {wave.length:.3g} m: a short sponge "
             f"sends waves back; {1.5 * wave.length:.3g} m are good"

@@ -65,18 +65,30 @@ def read_table(file: Path | str, name: str, error: type[HouleError]) -> Table:
     values[~np.isfinite(values)] = np.nan
     if form.stamps:
         values[:, 0] = np.round(values[:, 0] - values[0, 0], 9)  # stamps are no finer than a nanosecond
+    names, units = _heading(form)
+    where = np.frombuffer(lines, dtype=np.int64)
+    return Table(names, units, values, where, form.stamps > 0, tuple(form.above))
+
+
+def _heading(form: Form) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names and units of the columns, as written; "" without."""
     names = form.names or [""] * form.columns
     units = form.units or lvm_units(form) or [""] * form.columns
     if form.stamps == 2:
         names, units = ["time", *names[2:]], ["", *units[2:]]
-    where = np.frombuffer(lines, dtype=np.int64)
-    return Table(tuple(names), tuple(units), values, where, form.stamps > 0, tuple(form.above))
+    return tuple(names), tuple(units)
 
 
-def header(file: Path, key: str, error: type[CaseError] = CaseError) -> list[str]:
-    """The names of the columns in a file. Raises `error` where it cannot be read; key: the key that names the file."""
+def columns_in(file: Path, columns: tuple[str, ...], key: str, error: type[CaseError] = CaseError) -> list[str]:
+    """Those of the columns that `read_columns` finds in a file, by its first lines: velocity_m_s as "Velocity [cm/s]".
+
+    Raises `error` when the file, named by `key` of the case file, cannot be read.
+    """
     name = f"{key} = {file}"
-    return sniff(file, encoding_of(file, name, error), name, error).names
+    form = sniff(file, encoding_of(file, name, error), name, error)
+    names, units = _heading(form)
+    table = Table(names, units, np.zeros((0, form.columns)), np.zeros(0, np.int64), form.stamps > 0, ())
+    return [column for column in columns if _find(table, column) is not None]
 
 
 def read_columns(

@@ -97,7 +97,12 @@ def read_history(
 
 
 def shortcomings(
-    known: History, end: float, gap: float | None, still: float | None = None, outside: str = "the last value is held"
+    known: History,
+    end: float,
+    gap: float | None,
+    still: float | None = None,
+    outside: str = "the last value is held",
+    line: str = "a straight line",
 ) -> Iterator[Told]:
     """Findings about a history for a run to `end` [s]: does it cover the run, and has it no holes?
 
@@ -106,6 +111,7 @@ def shortcomings(
     gap      longest hole that is interpolated [s]; None: `HOLE` usual steps
     still    value at rest; None: any
     outside  words for the values that are taken before and after the samples
+    line     words for what goes from sample to sample
     """
     first, last, low, high = (float(t) + known.start for t in (known.time[0], known.time[-1], 0.0, end))
     has = f"has times from {first:.12g} to {last:.12g} s, the run takes {low:.12g} to {high:.12g} s of its clock"
@@ -120,10 +126,10 @@ def shortcomings(
             cure = f"start = {first:.12g}" if not at_end else f"time.end = {last - low:g}, or a longer record"
             level: Literal["warning", "info"] = "info" if known.resting(at_end, still) else "warning"
             yield level, f"{has}: {where} {outside}; {cure}"
-    yield from _holes(known, end, gap)
+    yield from _holes(known, end, gap, line)
 
 
-def _holes(known: History, end: float, gap: float | None) -> Iterator[Told]:
+def _holes(known: History, end: float, gap: float | None, line: str) -> Iterator[Told]:
     """An error if there are holes within the run, with the place of the longest one."""
     allowed = HOLE * known.step if gap is None else gap * (1 + 1e-9)
     before, after = known.time[:-1], known.time[1:]
@@ -136,6 +142,6 @@ def _holes(known: History, end: float, gap: float | None) -> Iterator[Told]:
     yield (
         "error",
         f"has no sample between {before[i] + known.start:.12g} and {after[i] + known.start:.12g} s{more}, elsewhere "
-        f"one every {known.step:.3g} s: a straight line of {size:.3g} s would stand for it; close the hole, or allow "
+        f"one every {known.step:.3g} s: {line} of {size:.3g} s would stand for it; close the hole, or allow "
         f"it with gap = {size:.3g}",
     )

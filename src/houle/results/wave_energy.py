@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from houle.case.tables.waves import Waves
+from houle.case.tables.waves import PASSING, Waves
 from houle.results.reflection import wave_of
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def record(run: Run) -> dict[str, Any]:
 def _window(case: Case, end: float) -> tuple[float, float] | None:
     """The last whole periods [s] after the ramp."""
     waves: Waves | None = case.waves
-    if waves is None or waves.kind in ("solitary", "focused", "series"):
+    if waves is None or waves.kind in PASSING:
         return None
     period = wave_of(case).period
     periods = min(PERIODS, int((end - waves.ramp_time() - SETTLE * period) / period + 1e-9))

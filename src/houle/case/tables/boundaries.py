@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 
 from houle.case.tables.base import Name, Point, Table, is_a_box
 from houle.case.tables.waves import Waves
-from houle.data.csv_table import header
+from houle.data.csv_table import columns_in
 from houle.data.files import require_file
 from houle.data.history import History, Record, read_history
 from houle.errors import CaseError
@@ -138,7 +138,8 @@ def history(table: Open, folder: Path) -> tuple[list[str], History]:
     """Keys of COLUMNS in the file of an open side, and their values on the clock of the run. Raises CaseError."""
     file, key = folder / str(table.file), f"open.{table.side}.file"
     require_file(file, key)
-    there = {name: column for name, column in COLUMNS.items() if column in header(file, key)}
+    found = columns_in(file, tuple(COLUMNS.values()), key)
+    there = {name: column for name, column in COLUMNS.items() if column in found}
     if not there or {"velocity", "discharge"} <= set(there):
         raise CaseError(
             f"{key} = {file} needs a column t_s and one of velocity_m_s, discharge_m2_s, level_m, or level_m with one "

@@ -16,6 +16,7 @@ from houle.waves.wave import GAMMA
 
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # keys of some kinds only
 MAKERS = ("source", "zone", "piston")
+PASSING = ("solitary", "focused", "series", "paddle")  # kinds whose waves pass once: they have no steady window
 
 
 class Focus(Table):
@@ -107,16 +108,15 @@ class Waves(Table):
     gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap, tma and focused [-]")
     file: str | None = Field(
         default=None,
-        description="CSV beside the case file with columns t_s, eta_m, the elevation above still water at the maker",
+        description="CSV beside the case file: of a series columns t_s, eta_m, the elevation above still water at the "
+        "maker; of a paddle t_s and displacement_m or velocity_m_s of the wall",
     )
-    start: float = Field(
-        default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run, series only [s]"
-    )
+    start: float = Field(default=0.0, ge=-1e10, le=1e10, description="time in the file that is t = 0 of the run [s]")
     gap: float | None = Field(
         default=None,
         gt=0,
-        description="longest time without a sample in the file that a straight line may stand for; when left out, "
-        "three and a half usual steps [s]",
+        description="longest time without a sample in the file that a line may stand for; when left out, three and a "
+        "half usual steps [s]",
     )
     focus: Focus | None = Field(
         default=None, description="place and time of the crest of a focused or solitary wave {x, time}"
@@ -124,7 +124,8 @@ class Waves(Table):
     ramp: float | None = Field(
         default=None,
         ge=0,
-        description="time in which the waves grow; two periods when left out, none for solitary, focused, series [s]",
+        description="time in which the waves grow; two periods when left out, none for solitary, focused, series, "
+        "paddle [s]",
     )
     source: Source | None = Field(default=None, description="internal source {x, width, form, side}, see below")
     zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}, see below")
@@ -151,14 +152,30 @@ class Waves(Table):
                 f'current = {self.current:g}: a source makes waves on a current with side = "both", form = "linear" '
                 "only; or take zone = {x = [from, to]}"
             )
-        if self.height is not None and self.kind != "series" and self.height > self.depth:
+        if self.height is not None and self.kind not in ("series", "paddle") and self.height > self.depth:
             found.append(
                 f"height = {self.height:g} is above depth = {self.depth:g} m: no wave stands higher than 0.83 depths; "
                 "both are in metres"
             )
+        if self.kind == "paddle":
+            found += self._unfit_for_a_paddle(given)
         if found:
             raise ValueError("\n".join(found))
         return self
+
+    def _unfit_for_a_paddle(self, given: list[str]) -> list[str]:
+        """Messages on what a record of a paddle does not go with."""
+        found = []
+        if len(given) == 1 and self.piston is None:
+            found.append(f'{given[0]} does not make kind = "paddle": it is a wall that moves, piston = {{x = ...}}')
+        if self.piston is not None and self.piston.absorb:
+            found.append(
+                "piston.absorb = true takes up what differs from the pressure of its own wave, which a record of a "
+                "paddle does not tell: remove it, and let [[absorber]] or [[sponge]] take up waves at the other end"
+            )
+        if self.direction:
+            found.append(f"direction = {self.direction:g}: a paddle sends waves along x only; remove it")
+        return found
 
     @model_serializer(mode="wrap")
     def written(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -177,7 +194,7 @@ class Waves(Table):
             return ", its peak has gamma = 1" if self.kind == "pierson-moskowitz" else ""
         if key == "period" and self.kind == "solitary":
             return ", a solitary wave has none"
-        return ", they are in the file" if self.kind == "series" and key in ("height", "period") else ""
+        return ", they are in the file" if self.kind in ("series", "paddle") and key in ("height", "period") else ""
 
     @property
     def maker(self) -> Source | Zone | Piston:

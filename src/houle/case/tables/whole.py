@@ -16,6 +16,7 @@ from houle.case.tables.control import Numerics, Output, Time
 from houle.case.tables.observed import Observed
 from houle.case.tables.results import Reference, Reflection
 from houle.case.tables.tank import Domain, Fluid, Head, Porous, Solid, Water
+from houle.case.tables.waves import PASSING
 
 WEAK = 1e-3  # [m/s2] a weaker gravity makes no waves
 
@@ -108,7 +109,7 @@ def _reflection_fits(case: Tables) -> list[str]:
     asked = case.reflection
     if asked is None:
         return []
-    if case.waves is None or case.waves.kind in ("solitary", "focused", "series"):
+    if case.waves is None or case.waves.kind in PASSING:
         stated = "there are no [waves]" if case.waves is None else f'waves.kind = "{case.waves.kind}"'
         return [f"reflection needs regular or irregular waves, {stated}: remove [reflection]"]
     place = {gauge.name: gauge.x for gauge in case.gauge}
