@@ -82,8 +82,9 @@ def read_record(table: Waves, folder: Path = Path()) -> History:
 
 
 def read_motion(table: Waves, folder: Path = Path()) -> tuple[str, History]:
-    """What the file of a paddle holds, "displacement" or "velocity", and its samples [m] or [m/s] at times [s], 0 at
-    `waves.start` of the file. Raises WaveError.
+    """The quantity in the file of a paddle, "displacement" or "velocity", and its samples [m] or [m/s] at times [s].
+
+    Time 0 is `waves.start` of the file. Raises WaveError.
     """
     file, key = folder / str(table.file), "waves.file"
     require_file(file, key, WaveError)

@@ -40,8 +40,10 @@ TOLD = 0.35  # share of the rms of a record that a source may leave out without 
 OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
 RECORDED = ("series", "paddle")  # waves with no one length
-COARSE = 0.02  # of the stroke: what a straight line between the samples of a paddle lies off the curve, 11 to a period
-MOVES = 0.05  # of its largest speed: what moves faster is not at rest
+COARSE = (
+    0.02  # distance of a straight line between samples of a paddle from the curve, of the stroke: 11 samples a period
+)
+MOVES = 0.05  # share of its largest speed up to which a paddle counts as at rest
 SHARP = 0.5  # g: more than a laboratory's paddle is accelerated by
 SAMPLES = 51  # places along a maker at which the depth is compared
 

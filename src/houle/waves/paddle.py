@@ -56,7 +56,10 @@ class RecordedMotion:
 
     @classmethod
     def of(cls, time: Array, values: Array, quantity: str, rests: bool, duration: float) -> RecordedMotion:
-        """Of samples (N,) of the quantity "displacement" [m] or "velocity" [m/s]; rests: at its end the wall does."""
+        """The motion through samples (N,) of the quantity "displacement" [m] or "velocity" [m/s] at times (N,) [s].
+
+        rests: the wall is at rest at the end of the record; else it slows down over `duration` [s], or stops at once.
+        """
         from scipy.interpolate import CubicSpline
 
         spline = CubicSpline(time, values, bc_type="natural")
@@ -64,12 +67,12 @@ class RecordedMotion:
         return cls(time, curve, quantity, 0.0 if rests else float(curve(time[-1], 1)), duration)
 
     def recorded(self, t: Array) -> Array:
-        """What was recorded, at times within the record [s]."""
+        """The recorded quantity [m] or [m/s] at times within the record [s]."""
         return np.asarray(self.curve(t, 1 if self.quantity == "velocity" else 0))
 
     @property
     def zero(self) -> float:
-        """What the record says where the wall stands when the run begins [m]."""
+        """Displacement in the record when the run begins [m]."""
         return float(self.curve(np.clip(0.0, self.time[0], self.time[-1])))
 
     def displacement(self, t: ArrayLike) -> Array:
@@ -137,7 +140,7 @@ class RecordedMotion:
 
     @property
     def step(self) -> float:
-        """Of the record [s]: few of its steps are shorter."""
+        """Time between samples of the record [s]: few of its steps are shorter."""
         return float(np.percentile(np.diff(self.time), SHORT))
 
     @property
