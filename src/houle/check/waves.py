@@ -40,9 +40,7 @@ TOLD = 0.35  # share of the rms of a record that a source may leave out without 
 OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
 RECORDED = ("series", "paddle")  # waves with no one length
-COARSE = (
-    0.02  # distance of a straight line between samples of a paddle from the curve, of the stroke: 11 samples a period
-)
+COARSE = 0.02  # share of the stroke by which lines between samples of a paddle may miss the curve: 11 a period
 MOVES = 0.05  # share of its largest speed up to which a paddle counts as at rest
 SHARP = 0.5  # g: more than a laboratory's paddle is accelerated by
 SAMPLES = 51  # places along a maker at which the depth is compared
