@@ -5,14 +5,16 @@ from __future__ import annotations
 from math import cos, radians
 from pathlib import Path
 
-from houle.case.tables.waves import Waves
+from houle.case.tables.waves import PASSING, Waves
 from houle.data.csv_table import columns_in
 from houle.data.files import require_file
 from houle.data.history import History, read_history
 from houle.waves import record, spectra, theories
 from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
+from houle.waves.linear import Linear
 from houle.waves.paddle import PaddleWave, RecordedMotion, elevation, require_moves
+from houle.waves.second_order import SecondOrder
 from houle.waves.wave import THEORIES, Wave, WaveError
 
 ARRIVES = 1.5  # half lengths before the maker at which the crest of a solitary wave without focus is at t = 0
@@ -21,7 +23,7 @@ MOTIONS = {"displacement": "displacement_m", "velocity": "velocity_m_s"}  # colu
 
 
 def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
-    """The wave of the table. Raises WaveError where no theory gives it. folder: that of its file.
+    """The wave of the table, to its order. Raises WaveError where no theory gives it. folder: that of its file.
 
     A regular wave has a crest at x = 0 at t = 0. A series is the elevation at the maker (`Waves.place`), and its time
     `start` is t = 0. The crest of a solitary wave comes to its focus, or else starts well before the maker. The waves
@@ -59,7 +61,7 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
             crest = table.focus.x - wave.celerity * table.focus.time
         return moved(single(height, table.depth, gravity, crest, angle), current)
     if table.kind == "focused" and table.focus is not None:
-        return spectra.focused(
+        group = spectra.focused(
             height,
             period,
             table.depth,
@@ -71,9 +73,16 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
             table.gamma,
             current=current,
         )
-    return spectra.irregular(
+        return _ordered(table, group)
+    sea = spectra.irregular(
         table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma, current=current
     )
+    return _ordered(table, sea)
+
+
+def _ordered(table: Waves, wave: Linear) -> Linear:
+    """A sum of linear waves to the order of the table; a group comes and goes, a sea is always there."""
+    return SecondOrder.of_linear(wave, closed=table.kind not in PASSING) if table.order == 2 else wave
 
 
 def read_record(table: Waves, folder: Path = Path()) -> History:

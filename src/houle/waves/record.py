@@ -93,7 +93,7 @@ KINDS.add(
         "linear; long waves too",
         "Fourier components; docs/waves.md",
         needs=("file",),
-        takes=("start", "gap"),
+        takes=("start", "gap", "order"),
         place=6,
     )
 )
