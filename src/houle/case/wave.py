@@ -35,7 +35,8 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
     if table.kind == "series":
         known = read_record(table, folder)
         eta = known.values[0]
-        return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
+        place, order = along * table.place, table.order
+        return record.series(known.time, eta, table.depth, gravity, angle, place, current=current, order=order)
     if table.kind == "paddle":
         quantity, known = read_motion(table, folder)
         rests = known.resting(True, rest_of(quantity))

@@ -25,6 +25,7 @@ from houle.waves.wave import Array
 Complex = NDArray[np.complex128]
 DIRECT = 64  # components up to which each is a node
 NODES = 64  # nodes for more
+ROUNDING = 1e-15  # of the largest eigenvalue: smaller ones are rounding
 TOLERANCE = 1e-6  # what the vectors leave out of the kernels, as a share of their root mean square
 
 
@@ -33,7 +34,7 @@ class Nodes:
     """Frequencies [rad/s] at which kernels are known, and the way from there to the components.
 
     omega  (n,) of the nodes
-    unit   (N, n) orthonormal columns; lead (n, n): a_i times the interpolation to component i is unit @ lead
+    unit   (N, m) orthonormal columns; lead (m, n): a_i times the interpolation to component i is unit @ lead
     """
 
     omega: Array
@@ -46,15 +47,18 @@ class Nodes:
         nodes, weights = omega, np.eye(len(omega))
         if len(omega) > DIRECT:
             nodes, weights = _interpolation(omega)
-        unit, lead = np.linalg.qr(amplitude[:, None] * weights)
-        return cls(nodes, unit, lead)
+        weighted = amplitude[:, None] * weights
+        size, across = np.linalg.eigh(weighted.T @ weighted)
+        kept = size > ROUNDING * size[-1]
+        size, across = np.sqrt(size[kept]), across[:, kept]
+        return cls(nodes, weighted @ across / size, (across * size).T)
 
     def led(self, kernel: NDArray) -> NDArray:
         """A kernel (..., n, n) at the nodes as one between the columns of `unit`."""
         return self.lead @ kernel @ self.lead.T
 
     def few(self, kernels: list[NDArray]) -> Array:
-        """The vectors (n, R), in the columns of `unit`, that hold these kernels (..., n, n) to `TOLERANCE`."""
+        """The vectors (m, R), in the columns of `unit`, that hold these kernels (..., n, n) to `TOLERANCE`."""
         spread = np.zeros((self.lead.shape[0],) * 2)
         for kernel in kernels:
             led = self.led(kernel).reshape(-1, *self.lead.shape[:1] * 2)

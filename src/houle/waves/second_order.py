@@ -28,8 +28,9 @@ from numpy.typing import ArrayLike
 from houle.waves import dispersion
 from houle.waves.linear import Linear, _product
 from houle.waves.pairs import Complex, Nodes
-from houle.waves.wave import Array
+from houle.waves.wave import Array, Components
 
+PAIRED = 0.499, 3.501  # frequencies of the components that have bound waves, in peak frequencies
 NEAR = 1e-4  # relative difference of two frequencies below which the kernel of differences is its limit
 ROWS = 256  # places that are computed at a time
 LEVELS = 9  # levels at which the velocity decides which vectors are needed
@@ -87,23 +88,37 @@ class SecondOrder(Linear):
     """A sum of Airy waves with the waves bound to them.
 
     closed  True for a sea, without a mean level or transport; False for a group, before and after which all is at rest
+    band    least and largest frequency of the components that have waves bound to them [rad/s]
     """
 
     closed: bool = True
+    band: tuple[float, float] = (0.0, np.inf)
 
     @classmethod
-    def of_linear(cls, wave: Linear, closed: bool) -> SecondOrder:
-        """The wave with its bound waves, which raise the level that no crest is expected to pass."""
-        sigma = dispersion.frequency(np.array([wave.k]), wave.depth, wave.gravity)
-        level = float(Kernel.of(sigma, sigma, wave.depth, wave.gravity, 1).level[0])
+    def of_linear(cls, wave: Linear, closed: bool, peak: float | None = None) -> SecondOrder:
+        """The wave with its bound waves.
+
+        peak: peak frequency [rad/s] of a record, which decides which components have bound waves; without it that of
+        the wave, whose bound waves raise the level that no crest is expected to pass. Waves shorter than sqrt(2 g / Hm0) have none: they ride on the long ones, which the expansion would take for a growth
+        in height (Stansberg 1998; DNV-RP-C205).
+        """
         given = {f.name: getattr(wave, f.name) for f in fields(Linear)}
-        given["highest"] = wave.highest + level * wave.highest**2
-        return cls(**given, closed=closed)
+        if peak is None:
+            sigma = dispersion.frequency(np.array([wave.k]), wave.depth, wave.gravity)
+            given["highest"] += float(Kernel.of(sigma, sigma, wave.depth, wave.gravity, 1).level[0]) * wave.highest**2
+        middle, height = peak or wave.omega, 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude ** 2) / 2))
+        highest = min(PAIRED[1] * middle, float(np.sqrt(2 * wave.gravity / height)))
+        return cls(**given, closed=closed, band=(PAIRED[0] * middle, highest))
+
+    @cached_property
+    def pairs(self) -> Components:
+        """The components that have waves bound to them."""
+        return self.parts.chosen((self.parts.omega > self.band[0]) & (self.parts.omega < self.band[1]))
 
     @cached_property
     def _nodes(self) -> Nodes:
-        sigma = dispersion.frequency(self.parts.k, self.depth, self.gravity)  # seen from the water, on a current
-        return Nodes.of(sigma, self.parts.amplitude)
+        sigma = dispersion.frequency(self.pairs.k, self.depth, self.gravity)  # seen from the water, on a current
+        return Nodes.of(sigma, self.pairs.amplitude)
 
     @cached_property
     def kernels(self) -> tuple[Kernel, Kernel]:
@@ -123,19 +138,21 @@ class SecondOrder(Linear):
         """The vectors v_r (R, N)."""
         return np.ascontiguousarray((self._nodes.unit @ self._vectors).T)
 
+    def _few(self, kernel: Array) -> Array:
+        """A kernel (..., n, n) at the nodes as one between the vectors, (..., R, R)."""
+        return self._vectors.T @ self._nodes.led(kernel) @ self._vectors
+
     def _table(self, sums: Array, differences: Array) -> Array:
         """Two kernels (m, n, n) at the nodes as numbers per product of two F, (m, R (R + 1)); see `_products`."""
-        few = [self._vectors.T @ self._nodes.led(kernel) @ self._vectors for kernel in (sums, differences)]
+        few = [self._few(kernel) for kernel in (sums, differences)]
         r, s = np.triu_indices(self._vectors.shape[1])
         return np.concatenate([np.where(r == s, 1.0, 2.0) * table[:, r, s] for table in few], axis=1)
 
     def _products(self, x: Array, t: ArrayLike) -> Complex:
         """F_r F_s, then F_r F*_s, for r <= s: (nx, R (R + 1))."""
-        p = self.parts
+        p = self.pairs
         theta = p.k * x[:, None] - p.omega * np.asarray(t, dtype=float)[..., None] + p.phase
-        f = _product(np.cos(theta), self._basis) + 1j * _product(np.sin(theta), self._basis)
-        r, s = np.triu_indices(f.shape[1])
-        return np.concatenate([f[:, r] * f[:, s], f[:, r] * f[:, s].conj()], axis=1)
+        return _products(_product(np.cos(theta), self._basis) + 1j * _product(np.sin(theta), self._basis))
 
     @cached_property
     def _levels(self) -> Array:
@@ -146,7 +163,7 @@ class SecondOrder(Linear):
         """What the mean level and the mean velocity are less by in a closed flume [m], [m/s]."""
         if not self.closed:
             return 0.0, 0.0
-        p, sigma = self.parts, dispersion.frequency(self.parts.k, self.depth, self.gravity)
+        p, sigma = self.pairs, dispersion.frequency(self.pairs.k, self.depth, self.gravity)
         alone = Kernel.of(sigma, sigma, self.depth, self.gravity, -1)
         carried = p.amplitude**2 * self.gravity * p.k / (2 * sigma * self.depth)
         return float(np.sum(p.amplitude**2 * alone.level)), float(np.sum(p.amplitude**2 * alone.speed + carried))
@@ -174,6 +191,17 @@ class SecondOrder(Linear):
             products = self._products(x.flat[i : i + ROWS], t.flat[i : i + ROWS])
             out[i : i + ROWS] = np.einsum("xp,p->x", products.real, self._levels, optimize=False)
         return out.reshape(x.shape) - self._still[0]
+
+    def bound_record(self, place: float, start: float, step: float, count: int) -> Array:
+        """As `bound` at x = place [m] and times start + n step [s], for components whose period is count steps."""
+        p = self.pairs
+        line = np.rint(p.omega * count * step / (2 * np.pi)).astype(int)
+        turned = self._basis * np.exp(1j * (p.k * place - p.omega * start + p.phase))
+        spectrum = np.zeros((len(turned), count), complex)
+        np.add.at(spectrum, (slice(None), line), turned)
+        f = np.fft.fft(spectrum, axis=1).T
+        sums, differences = (self._few(kernel.level) for kernel in self.kernels)
+        return np.asarray(((f @ sums + f.conj() @ differences) * f).real.sum(-1)) - self._still[0]
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Array:
         return super().elevation(x, t) + self.bound(x, t)
@@ -204,3 +232,9 @@ class SecondOrder(Linear):
             for out, part, table in zip(more, (products.real, products.imag), tables, strict=True):
                 out[i : i + ROWS] = (part * table).sum(-1)
         return u + more[0].reshape(x.shape) - self._still[1], w + more[1].reshape(x.shape)
+
+
+def _products(f: Complex) -> Complex:
+    """F_r F_s, then F_r F*_s, for r <= s: (n, R) -> (n, R (R + 1))."""
+    r, s = np.triu_indices(f.shape[1])
+    return np.concatenate([f[:, r] * f[:, s], f[:, r] * f[:, s].conj()], axis=1)
