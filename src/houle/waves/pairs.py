@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from houle.waves.wave import Array
 
 Complex = NDArray[np.complex128]
-DIRECT = 64  # components up to which each is a node
-NODES = 64  # nodes for more
+NODES = 64  # nodes; so many components or fewer are the nodes themselves
 ROUNDING = 1e-15  # of the largest eigenvalue: smaller ones are rounding
 TOLERANCE = 1e-6  # what the vectors leave out of the kernels, as a share of their root mean square
 
@@ -42,11 +41,11 @@ class Nodes:
     lead: Array
 
     @classmethod
-    def of(cls, omega: Array, amplitude: Array) -> Nodes:
-        """The nodes for components of these frequencies [rad/s] and amplitudes [m], (N,)."""
+    def of(cls, omega: Array, amplitude: Array, count: int = NODES) -> Nodes:
+        """The nodes for components of these frequencies [rad/s] and amplitudes [m], (N,), `count` at most."""
         nodes, weights = omega, np.eye(len(omega))
-        if len(omega) > DIRECT:
-            nodes, weights = _interpolation(omega)
+        if len(omega) > count:
+            nodes, weights = _interpolation(omega, count)
         weighted = amplitude[:, None] * weights
         size, across = np.linalg.eigh(weighted.T @ weighted)
         kept = size > ROUNDING * size[-1]
@@ -69,12 +68,12 @@ class Nodes:
         return np.asarray(vectors[:, left > TOLERANCE**2 * left[-1]])
 
 
-def _interpolation(omega: Array) -> tuple[Array, Array]:
+def _interpolation(omega: Array, count: int) -> tuple[Array, Array]:
     """Chebyshev points over the range of omega (N,), and the weights (N, n) with which values there lead to omega."""
     low, high = omega.min(), omega.max()
-    j = np.arange(NODES)
-    points = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * j / (NODES - 1))
-    share = np.where(j % 2, -1.0, 1.0) * np.where((j == 0) | (j == NODES - 1), 0.5, 1.0)
+    j = np.arange(count)
+    points = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * j / (count - 1))
+    share = np.where(j % 2, -1.0, 1.0) * np.where((j == 0) | (j == count - 1), 0.5, 1.0)
     off = omega[:, None] - points
     at = np.abs(off) < 1e-13 * high
     weights = share / np.where(at, 1.0, off)
