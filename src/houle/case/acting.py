@@ -13,6 +13,7 @@ from houle.waves.paddle import PaddleWave
 from houle.waves.piston import Law, Reading, law_of, reading_of
 from houle.waves.second_order import SecondOrder
 from houle.waves.second_piston import pair_motion
+from houle.waves.second_source import half_reach
 from houle.waves.wave import Wave
 
 NEARBY = 3.0  # depths in front of a piston over which the depth has to be even
@@ -52,7 +53,8 @@ def reach(case: Case, wave: Wave) -> Reach:
         return maker.x
     if isinstance(maker, Piston):
         return maker.x, maker.x + NEARBY * wave.depth
-    half = ACTS * source_of(case.waves, wave).width
+    width = source_of(case.waves, wave).width
+    half = half_reach(width, wave.depth) if isinstance(wave, SecondOrder) else ACTS * width
     return maker.x - half, maker.x + half
 
 

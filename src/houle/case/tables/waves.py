@@ -164,6 +164,10 @@ class Waves(Table):
             )
         if self.order == 2 and self.direction:
             found.append(f"order = 2: waves along x only, but direction = {self.direction:g}; remove one of them")
+        if self.order == 2 and self.source is not None and self.source.form != "finite":
+            found.append(
+                f'order = 2: source.form = "{self.source.form}" makes linear waves; leave it out ("finite"), or order = 1'
+            )
         if self.kind == "paddle":
             found += self._unfit_for_a_paddle(given)
         if found:
