@@ -127,6 +127,16 @@ class SecondOrder(Linear):
         sums, differences = (Kernel.of(omega[:, None], omega, self.depth, self.gravity, s) for s in (1, -1))
         return sums, differences
 
+    @property
+    def sizes(self) -> tuple[float, float]:
+        """Significant heights, 4 times the rms [m], of the bound waves at the sums and at the differences."""
+        found = []
+        for kernel, alone in zip(self.kernels, (0.5, 1.0), strict=True):
+            led = self._nodes.led(kernel.level)
+            own = np.einsum("ia,ab,ib->i", self._nodes.unit, led, self._nodes.unit, optimize=True)
+            found.append(4 * float(np.sqrt(np.sum(led**2) - alone * np.sum(own**2))))
+        return found[0], found[1]
+
     @cached_property
     def _vectors(self) -> Array:
         z = np.linspace(0.0, self.depth, LEVELS)
@@ -179,7 +189,8 @@ class SecondOrder(Linear):
             while len(self._tables) >= KEPT:
                 self._tables.pop(next(iter(self._tables)))
             u = self._table(*(k.along(z, self.depth) for k in self.kernels))
-            w = self._table(*(k.up(z, self.depth) for k in self.kernels))
+            sums, differences = (k.up(z, self.depth) for k in self.kernels)
+            w = self._table(sums, (differences - differences.swapaxes(1, 2)) / 2)  # no w of a wave with itself
             self._tables[key] = u, w
         return self._tables[key]
 
