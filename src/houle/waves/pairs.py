@@ -24,8 +24,8 @@ from houle.waves.wave import Array
 
 Complex = NDArray[np.complex128]
 NODES = 64  # nodes; so many components or fewer are the nodes themselves
-ROUNDING = 1e-15  # of the largest eigenvalue: smaller ones are rounding
-TOLERANCE = 1e-6  # what the vectors leave out of the kernels, as a share of their root mean square
+ROUNDING = 1e-15  # smaller eigenvalues, as a share of the largest, are rounding
+TOLERANCE = 1e-6  # share of the root mean square of the kernels that the vectors leave out
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ REST = 2.0  # durations of still water after it, before the Fourier series begin
 SHORT = 10  # percentile of the steps of an uneven record that is the step on which it is interpolated
 TOLERANCE = 1e-3  # rms of what is left out, relative to the rms of the record
 FOUND: dict[tuple[object, ...], SecondOrder] = {}  # the last wave of second order, which takes seconds to find
+ENDS, LASTS = 0.1, 0.3  # share of a record at each end, and of its range that a sea has there
 ITERATIONS, TAKEN = 40, 0.5  # substitutions that find what is bound in a record, to `TOLERANCE`; share of each change
 
 
@@ -90,12 +91,13 @@ def _without_bound(
 ) -> SecondOrder:
     """The wave of second order whose elevation at `place` is the record: what is bound in it is taken off the record.
 
-    By substitution, as the bound waves depend on what remains. Raises WaveError where that does not converge.
+    A record that is in motion at both ends is a piece of a sea, one that begins and ends at rest a group that passes. By
+    substitution, as the bound waves depend on what remains. Raises WaveError where that does not converge.
     """
-    middle = _middle(linear(samples).parts.moving)
+    middle, step, closed = _middle(linear(samples).parts.moving), 2 * np.pi / (len(samples) * dt), _lasts(samples)
     bound, allowed = np.zeros_like(samples), TOLERANCE * float(np.std(samples))
     for _ in range(ITERATIONS):
-        wave = SecondOrder.of_linear(linear(samples - bound), False, middle)
+        wave = SecondOrder.of_linear(linear(samples - bound), closed, middle, step)
         change = wave.bound_record(place, start, dt, len(samples)) - bound
         bound = bound + TAKEN * change
         if not (size := float(np.std(change))) < 2 * float(np.std(samples)):
@@ -106,6 +108,15 @@ def _without_bound(
         f"waves.order = 2: the bound waves of this record in {wave.depth:g} m of water cannot be told from the rest, as "
         "they are not small beside it; take order = 1, or a record from deeper water"
     )
+
+
+def _lasts(samples: Array) -> bool:
+    """True for a record whose ends move nearly as much as the whole of it: a piece of a sea."""
+    count = round(len(samples) / (1 + 2 * LEAD + REST))
+    lead = round(LEAD * count)
+    there = samples[lead : lead + count]
+    ends = max(4, round(ENDS * count))
+    return bool(min(np.ptp(there[:ends]), np.ptp(there[-ends:])) > LASTS * np.ptp(there))
 
 
 def _middle(parts: Components) -> float:

@@ -31,6 +31,7 @@ from houle.waves.pairs import Complex, Nodes
 from houle.waves.wave import Array, Components
 
 PAIRED = 0.499, 3.501  # frequencies of the components that have bound waves, in peak frequencies
+SLOWEST = 64.0  # peak periods: slower differences are, in a sea, less than half waves
 NEAR = 1e-4  # relative difference of two frequencies below which the kernel of differences is its limit
 ROWS = 256  # places that are computed at a time
 LEVELS = 9  # levels at which the velocity decides which vectors are needed
@@ -39,7 +40,7 @@ KEPT = 4  # sets of levels whose tables are kept
 
 @dataclass(frozen=True)
 class Kernel:
-    """What pairs of frequencies give, per product of the two amplitudes, half of it counted for each order of the pair.
+    """The waves bound to pairs of frequencies, per product of two amplitudes, half counted for each order of a pair.
 
     wave    wave number K of the pair [rad/m], with its sign; omega: W [rad/s]
     level   elevation [1/m]
@@ -83,22 +84,29 @@ def _hyperbolic(k: Array, z: Array, depth: float, sign: float) -> Array:
     return np.asarray(value if sign > 0 else np.sign(k) * value)
 
 
+def steady(omega: Array, peak: float) -> Array:
+    """Share of a frequency [rad/s] in the bound waves of a sea that counts as waves, and not as its mean state."""
+    return np.asarray(omega**4 / (omega**4 + (peak / SLOWEST) ** 4))
+
+
 @dataclass(frozen=True)
 class SecondOrder(Linear):
     """A sum of Airy waves with the waves bound to them.
 
     closed  True for a sea, without a mean level or transport; False for a group, before and after which all is at rest
+    step    frequency of which those of a record are multiples [rad/s]; 0 for others
     band    least and largest frequency of the components that have waves bound to them [rad/s]
     """
 
     closed: bool = True
+    step: float = 0.0
     band: tuple[float, float] = (0.0, np.inf)
 
     @classmethod
-    def of_linear(cls, wave: Linear, closed: bool, peak: float | None = None) -> SecondOrder:
+    def of_linear(cls, wave: Linear, closed: bool, peak: float | None = None, step: float = 0.0) -> SecondOrder:
         """The wave with its bound waves.
 
-        peak: peak frequency [rad/s] of a record, which decides which components have bound waves; without it that of
+        peak, step: of a record, its peak frequency [rad/s] and that of which its frequencies are multiples. The peak decides which components have bound waves; without it that of
         the wave, whose bound waves raise the level that no crest is expected to pass. Waves shorter than sqrt(2 g / Hm0) have none: they ride on the long ones, which the expansion would take for a growth
         in height (Stansberg 1998; DNV-RP-C205).
         """
@@ -108,7 +116,7 @@ class SecondOrder(Linear):
             given["highest"] += float(Kernel.of(sigma, sigma, wave.depth, wave.gravity, 1).level[0]) * wave.highest**2
         middle, height = peak or wave.omega, 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude ** 2) / 2))
         highest = min(PAIRED[1] * middle, float(np.sqrt(2 * wave.gravity / height)))
-        return cls(**given, closed=closed, band=(PAIRED[0] * middle, highest))
+        return cls(**given, closed=closed, step=step, band=(PAIRED[0] * middle, highest))
 
     @cached_property
     def pairs(self) -> Components:
@@ -122,7 +130,7 @@ class SecondOrder(Linear):
 
     @cached_property
     def kernels(self) -> tuple[Kernel, Kernel]:
-        """Of the sums and of the differences of the frequencies of the nodes."""
+        """The kernels of the sums and of the differences of the frequencies of the nodes."""
         omega = self._nodes.omega
         sums, differences = (Kernel.of(omega[:, None], omega, self.depth, self.gravity, s) for s in (1, -1))
         return sums, differences
@@ -170,7 +178,7 @@ class SecondOrder(Linear):
 
     @cached_property
     def _still(self) -> tuple[float, float]:
-        """What the mean level and the mean velocity are less by in a closed flume [m], [m/s]."""
+        """Mean level [m] and mean velocity [m/s] that are taken off in a closed flume."""
         if not self.closed:
             return 0.0, 0.0
         p, sigma = self.pairs, dispersion.frequency(self.pairs.k, self.depth, self.gravity)
@@ -204,7 +212,10 @@ class SecondOrder(Linear):
         return out.reshape(x.shape) - self._still[0]
 
     def bound_record(self, place: float, start: float, step: float, count: int) -> Array:
-        """As `bound` at x = place [m] and times start + n step [s], for components whose period is count steps."""
+        """As `bound` at x = place [m] and times start + n step [s], for components whose period is count steps.
+
+        The mean level of a sea is here the slow part of the level, so that nothing is left where the record is at rest.
+        """
         p = self.pairs
         line = np.rint(p.omega * count * step / (2 * np.pi)).astype(int)
         turned = self._basis * np.exp(1j * (p.k * place - p.omega * start + p.phase))
@@ -212,7 +223,11 @@ class SecondOrder(Linear):
         np.add.at(spectrum, (slice(None), line), turned)
         f = np.fft.fft(spectrum, axis=1).T
         sums, differences = (self._few(kernel.level) for kernel in self.kernels)
-        return np.asarray(((f @ sums + f.conj() @ differences) * f).real.sum(-1)) - self._still[0]
+        bound = np.asarray(((f @ sums + f.conj() @ differences) * f).real.sum(-1))
+        if not self.closed:
+            return bound
+        lines, omega = np.fft.rfft(bound), 2 * np.pi * np.fft.rfftfreq(count, step)
+        return np.asarray(np.fft.irfft(lines * steady(omega, self.band[0] / PAIRED[0]), count))
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Array:
         return super().elevation(x, t) + self.bound(x, t)

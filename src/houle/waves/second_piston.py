@@ -21,14 +21,14 @@ import numpy as np
 
 from houle.waves.pairs import Complex, Nodes
 from houle.waves.piston import LAYERS, Motion, Reading, linear_motion, modes, overlap, response
-from houle.waves.second_order import SecondOrder
+from houle.waves.second_order import PAIRED, SLOWEST, SecondOrder, steady
 from houle.waves.wave import Array, WaveError, ramp
 
 PAIR_NODES = 24  # frequencies between which the transfer functions are interpolated
 MODES, FOR_READING = 60, 12  # modes near the piston for its motion, and for the pressure on it
 CLOSE = 3e-4  # relative distance of two frequencies below which the transfer function is its limit
-SLOWEST = 64.0  # peak periods: of slower differences, in which it would wander, the piston follows less than half in a sea
-WANDERS = 8.0  # times as fast differences are followed whole: to 1/4000
+WANDERS = 8.0  # times the slowest: faster differences are followed whole, to 1/4000
+SAMPLES = 16  # instants in a peak period at which the slow velocity of a record is taken
 TIMES, ROWS = 4000, 256  # instants at which the reach is looked for; those that are computed at a time
 
 
@@ -75,7 +75,7 @@ def _modes(omega: float, depth: float, gravity: float, count: int) -> tuple[Comp
 
 
 def _bound(first: float, second: float, k: Complex, m: Complex, b: Complex, c: Complex, gravity: float) -> Complex:
-    """What drives the bound potentials of all pairs of modes [m/s3]."""
+    """Drive of the bound potentials of all pairs of modes [m/s3]."""
     j, n, g = k[:, None], m[None, :], gravity
     turn = (first + second) * ((first * second / g) ** 2 - j * n)
     rise = first * n**2 + second * j**2 - first * second * (first**3 + second**3) / g**2
@@ -149,6 +149,11 @@ class PairMotion:
         rows = np.einsum("ta,ab->tb", f, sums, optimize=False), np.einsum("ta,ab->tb", f, differences, optimize=False)
         return np.asarray((rows[0] * f + rows[1] * f.conj()).real.sum(-1))
 
+    @property
+    def differences(self) -> PairMotion:
+        """The motion without its sums of frequencies."""
+        return replace(self, speed=(np.zeros_like(self.speed[0]), self.speed[1]))
+
     @cached_property
     def reach(self) -> tuple[float, float]:
         """Furthest displacements [m] from rest that are to be expected, to the left and to the right.
@@ -157,8 +162,7 @@ class PairMotion:
         """
         low, high = self.first.reach
         times = np.linspace(0.0, 2 * pi / float(np.median(np.diff(self.omega))), TIMES) if len(self.omega) > 1 else [0.0]
-        none = np.zeros_like(self.speed[0])
-        followed = replace(self, speed=(none, self.speed[1]))
+        followed = self.differences
         slow = np.concatenate([followed.velocity(times[i : i + ROWS]) for i in range(0, len(times), ROWS)])
         way = np.concatenate([[0.0], np.cumsum((slow[1:] + slow[:-1]) / 2 * np.diff(times))])
         return low + float(way.min()), high + float(way.max())
@@ -178,22 +182,40 @@ def pair_motion(wave: SecondOrder, rest: float, read: Reading, duration: float, 
     tables = _tables(tuple(map(float, nodes.omega)), wave.depth, wave.gravity, read if absorbs else None)
     sums, seen, differences, seen_slow = (nodes.led(table) for table in tables)
     phasors = nodes.unit * (size / np.abs(size))[:, None]
-    mean, slow, held = (0.0, 0.0), np.zeros(0), np.zeros(0, complex)
-    if wave.closed:
-        alone = [np.sum((phasors @ kernel) * phasors.conj()).real for kernel in (differences, seen_slow)]
-        mean, (slow, held) = (float(alone[0]), float(alone[1])), _wandering(omega, phasors, differences, wave.omega)
-    return PairMotion(first, omega, phasors, (sums, differences), (seen, seen_slow), slow, held, mean)
+    found = PairMotion(
+        first, omega, phasors, (sums, differences), (seen, seen_slow), np.zeros(0), np.zeros(0, complex), (0.0, 0.0)
+    )
+    if not wave.closed:
+        return found
+    mean, level = (
+        float(np.sum((phasors @ kernel) * phasors.conj()).real) for kernel in (differences, seen_slow)
+    )
+    peak = wave.band[0] / PAIRED[0]
+    found = replace(found, mean=(mean, level))
+    slow, held = _of_record(found, wave.step, peak) if wave.step else _wandering(omega, phasors, differences, peak)
+    return replace(found, slow=slow, held=held)
+
+
+def _of_record(motion: PairMotion, step: float, peak: float) -> tuple[Array, Complex]:
+    """As `_wandering` for frequencies that are multiples of `step` [rad/s]: from the velocity over their period."""
+    count = 2 * int(np.ceil(SAMPLES * peak / step / 2))
+    times = 2 * pi / step / count * np.arange(count)
+    slow = motion.differences
+    velocity = np.concatenate([slow.velocity(times[i : i + ROWS]) for i in range(0, count, ROWS)])
+    kept = slice(1, int(WANDERS * peak / SLOWEST / step) + 1)
+    speed, line = (2 / count * np.fft.rfft(velocity))[kept], step * np.arange(count // 2 + 1)[kept]
+    return line, (1 - steady(line, peak)) * speed / (1j * line)
 
 
 def _wandering(omega: Array, phasors: Complex, differences: Complex, peak: float) -> tuple[Array, Complex]:
     """Slow differences [rad/s] and the complex amplitudes [m] of the displacement in them that a piston leaves out.
 
-    Of a frequency W it follows the share W^4 / (W^4 + slowest^4): it goes far in the slow ones, and to no place in time.
+    It follows them with the share `steady`: it would go far in the slow ones, and never come back.
     """
     n, m = np.triu_indices(len(omega), 1)
     n, m = (m, n) if omega[-1] > omega[0] else (n, m)
-    line, slowest = omega[n] - omega[m], peak / SLOWEST
-    near = (line > 0) & (line < WANDERS * slowest)
+    line = omega[n] - omega[m]
+    near = (line > 0) & (line < WANDERS * peak / SLOWEST)
     n, m, line = n[near], m[near], line[near]
     speed = 2 * np.einsum("ia,ab,ib->i", phasors[n], differences, phasors[m].conj(), optimize=True)
-    return line, slowest**4 / (line**4 + slowest**4) * speed / (1j * line)
+    return line, (1 - steady(line, peak)) * speed / (1j * line)

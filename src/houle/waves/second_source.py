@@ -10,7 +10,7 @@ still water level, where phi_z is known from the rise of the surface:
 Wanted are waves that grow by s(x) = 1/2 + erf(sqrt(beta) x)/2 over the source, and where s is 1 P is constant: what
 leaves has its bound waves and no free ones. Water is kept: eta_1 is (s e^{ikx}/ik)_x, sums likewise. The set-down
 under groups is a long wave, whose flux q(t) the source must give or take: it stands in the source as a heap,
--s'(x) int q dt. Slow differences, whose heap would be high, are left out of a sea by the share W^4/(W^4 + slowest^4).
+-s'(x) int q dt. Slow differences, whose heap would be high, are left out of a sea (`second_order.steady`).
 """
 
 from __future__ import annotations
@@ -26,14 +26,13 @@ from scipy.special import erf
 from houle.waves import dispersion
 from houle.waves.finite import SHARPNESS
 from houle.waves.pairs import Complex, Nodes
-from houle.waves.second_order import Kernel, SecondOrder
+from houle.waves.second_order import Kernel, SecondOrder, steady
 from houle.waves.wave import Array, ramp
 
 FORCE_NODES = 20  # frequencies between which the force is interpolated
 FLAT, WHOLE = 2.0, 8.0  # lengths of full waves, and of the periodic stretch of water, in its units
 ROOM = 4.0  # depths in a unit at least: the flow under the growing waves ends with exp(-pi x/d)
 POINTS, IN_WIDTH = 10.0, 40.0  # points of the stretch in the shortest wave of second order, and in a width
-SLOWEST = 64.0  # peak periods: of slower differences a source makes less than half in a sea
 STEPS = 400  # steps of the ramp in which the heap is integrated
 
 
@@ -191,9 +190,9 @@ def _heaps(wave: SecondOrder, nodes: Nodes, sharp: float) -> tuple[Complex, floa
     rate = found.omega * found.level / found.wave * np.exp(-(found.wave**2) / (4 * sharp**2))
     rate = nodes.unit @ nodes.led(rate) @ nodes.unit.T
     line = parts.omega[:, None] - parts.omega
-    share = line**3 / (line**4 + (wave.omega / SLOWEST) ** 4)
-    if not wave.closed:
-        share = np.divide(1.0, line, out=np.zeros_like(line), where=line != 0)
+    share = np.divide(1.0, line, out=np.zeros_like(line), where=line != 0)
+    if wave.closed:
+        share *= steady(line, wave.omega)
     return 1j * rate * share, float(np.trace(rate))
 
 
