@@ -1,4 +1,4 @@
-"""Pistons and sources to second order: against one frequency, against the volume of the bound waves, and no force outside."""
+"""Pistons and sources to second order: against one frequency, the volume of bound waves, and where sources end."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_a_piston_rests_before_and_after_a_group_and_has_made_room_for_its_set_d
 
 @pytest.mark.parametrize("side", ["right", "left", "both"])
 def test_a_source_pushes_nothing_outside_it(side):
-    """The bound waves fulfil Bernoulli's equation to second order there: the force falls to a thousandth of its largest."""
+    """The bound waves fulfil Bernoulli's equation to second order there: the force falls to a thousandth."""
     wave = SecondOrder.of_linear(irregular("jonswap", 0.06, 2.0, DEPTH, GRAVITY), True)
     width = 0.5 * wave.length
     x = np.linspace(-1.5 * wave.length, 1.5 * wave.length, 301)
@@ -102,7 +102,7 @@ def test_a_source_pushes_nothing_outside_it(side):
 
 
 def test_a_source_keeps_the_water():
-    """What leaves it to one side is taken from the heap in it: the heap of a group ends where it began, less its volume."""
+    """What leaves it to one side is taken from the heap in it: its volume, as much as the group carries."""
     wave = SecondOrder.of_linear(focused(0.05, 2.0, DEPTH, GRAVITY, 0.0, 25.0), False)
     force = pair_force(wave, 1.0, "right", 0.0, np.linspace(-2, 2, 41), 0.0)
     heap = np.array([force.heap_at(t) for t in (5.0, 45.0)])

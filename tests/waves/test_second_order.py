@@ -69,7 +69,9 @@ def test_one_component_is_the_stokes_wave_of_a_closed_flume():
     stokes = regular("stokes-2", 0.01, 1.2, DEPTH)
     k = np.array([stokes.k])
     parts = Components(np.array([0.005]), frequency(k, DEPTH, GRAVITY), k, np.zeros(1), np.zeros(1))
-    wave = SecondOrder.of_linear(Linear.of("one", 0.01, 2 * pi / parts.omega[0], DEPTH, GRAVITY, parts, 0.005, 0.0), True)
+    wave = SecondOrder.of_linear(
+        Linear.of("one", 0.01, 2 * pi / parts.omega[0], DEPTH, GRAVITY, parts, 0.005, 0.0), True
+    )
     x, z = np.linspace(0, stokes.length, 9), np.linspace(0, DEPTH - 0.01, 5)
     np.testing.assert_allclose(wave.elevation(x, 0.0), stokes.elevation(x, 0.0), atol=1e-7)
     for mine, known in zip(wave.velocity_on(x, z, 0.0), stokes.velocity_on(x, z, 0.0), strict=True):

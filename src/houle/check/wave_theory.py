@@ -42,7 +42,7 @@ def bound(wave: Wave) -> str:
     if len(second.pairs.k) == 0:
         return ""
     sums, differences = second.sizes
-    height = 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude ** 2) / 2))
+    height = 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude**2) / 2))
     told = (
         f"Hm0 = {sums:.2g} m at the sums of frequencies ({sums / height:.1%}), {differences:.2g} m at the differences "
         f"({differences / height:.1%})"

@@ -5,9 +5,10 @@ A quantity of second order is a double sum over components with the phasors E_i 
     q = Re sum_ij a_i a_j (S_ij E_i E_j + D_ij E_i E*_j) ,
 
 S the kernel of the sums and D that of the differences of two frequencies. 200 components make 40 000 pairs. But the
-kernels are smooth functions of both frequencies, so that a few vectors v_r, which all kernels of a wave share, hold them:
+kernels are smooth functions of both frequencies, so that a few vectors v_r, which all kernels of a wave share, hold
+them:
 
-    a_i a_j S_ij = sum_rs v_ir s_rs v_jr ,     q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) ,     F_r = sum_i v_ir E_i .
+    a_i a_j S_ij = sum_rs v_ir s_rs v_jr ,    q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) ,    F_r = sum_i v_ir E_i .
 
 Some ten vectors do to 1e-6. The kernels are computed at nodes: the components themselves if they are few, else Chebyshev
 points in frequency, between which a polynomial leads to the components (Trefethen 2013, Approximation theory).

@@ -91,10 +91,11 @@ def _without_bound(
 ) -> SecondOrder:
     """The wave of second order whose elevation at `place` is the record: what is bound in it is taken off the record.
 
-    A record that is in motion at both ends is a piece of a sea, one that begins and ends at rest a group that passes. By
-    substitution, as the bound waves depend on what remains. Raises WaveError where that does not converge.
+    By substitution, as the bound waves depend on what remains. A record that is in motion at both ends is a piece of a
+    sea, one that begins and ends at rest a group that passes. Raises WaveError where it does not converge.
     """
-    middle, step, closed = _middle(linear(samples).parts.moving), 2 * np.pi / (len(samples) * dt), _lasts(samples)
+    closed, step = _lasts(samples), 2 * np.pi / (len(samples) * dt)
+    middle = _middle(linear(samples).parts.moving)
     bound, allowed = np.zeros_like(samples), TOLERANCE * float(np.std(samples))
     for _ in range(ITERATIONS):
         wave = SecondOrder.of_linear(linear(samples - bound), closed, middle, step)
@@ -105,7 +106,7 @@ def _without_bound(
         if size < allowed:
             return wave
     raise WaveError(
-        f"waves.order = 2: the bound waves of this record in {wave.depth:g} m of water cannot be told from the rest, as "
+        f"waves.order = 2: the bound waves of this record in {wave.depth:g} m of water cannot be told from the rest: "
         "they are not small beside it; take order = 1, or a record from deeper water"
     )
 

@@ -9,7 +9,8 @@ still water level, z = d, with eta_1 = sum a_i cos theta_i and q_i = omega_i^2 /
 of which each pair of components gives, with K = k_i +- k_j, W = omega_i +- omega_j, and the ordered pairs summed,
 
     phi_2 = 1/2 sum a_i a_j P cosh(K z)/cosh(K d) sin(theta_i +- theta_j)
-    (g K tanh K d - W^2) P = -W g^2/(omega_i omega_j) (k_i k_j -+ q_i q_j) - (c_i +- c_j)/2 ,  c = (g^2 k^2 - omega^4)/omega
+    (g K tanh K d - W^2) P = -W g^2/(omega_i omega_j) (k_i k_j -+ q_i q_j) - (c_i +- c_j)/2
+    c = (g^2 k^2 - omega^4)/omega
     eta_2 = 1/(2g) sum a_i a_j [W P - g^2/(2 omega_i omega_j) (k_i k_j -+ q_i q_j) + (omega_i^2 + omega_j^2)/2] cos( ) .
 
 A component with itself makes a mean. In a sea the mean level is the still water level and no water is pumped, as in all
@@ -67,7 +68,6 @@ class Kernel:
         level = (omega * potential - square / 2 + (a**2 + b**2) / 2) / (2 * g)
         return cls(wave, omega, level, wave * potential / 2)
 
-
     def along(self, z: Array, depth: float) -> Array:
         """Kernel of u at the levels z (nz,) [m]: (nz, ...). Above the still water level it is that at it."""
         return self.speed * _hyperbolic(self.wave, z, depth, 1.0)
@@ -106,15 +106,16 @@ class SecondOrder(Linear):
     def of_linear(cls, wave: Linear, closed: bool, peak: float | None = None, step: float = 0.0) -> SecondOrder:
         """The wave with its bound waves.
 
-        peak, step: of a record, its peak frequency [rad/s] and that of which its frequencies are multiples. The peak decides which components have bound waves; without it that of
-        the wave, whose bound waves raise the level that no crest is expected to pass. Waves shorter than sqrt(2 g / Hm0) have none: they ride on the long ones, which the expansion would take for a growth
-        in height (Stansberg 1998; DNV-RP-C205).
+        peak, step: of a record, its peak frequency [rad/s] and that of which its frequencies are multiples. The peak
+        decides which components have bound waves; without it that of the wave does, and the bound waves raise the level
+        that no crest is expected to pass. Waves shorter than sqrt(2 g / Hm0) have none: they ride on the long ones,
+        which the expansion would take for a growth in height (Stansberg 1998; DNV-RP-C205).
         """
         given = {f.name: getattr(wave, f.name) for f in fields(Linear)}
         if peak is None:
             sigma = dispersion.frequency(np.array([wave.k]), wave.depth, wave.gravity)
             given["highest"] += float(Kernel.of(sigma, sigma, wave.depth, wave.gravity, 1).level[0]) * wave.highest**2
-        middle, height = peak or wave.omega, 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude ** 2) / 2))
+        middle, height = peak or wave.omega, 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude**2) / 2))
         highest = min(PAIRED[1] * middle, float(np.sqrt(2 * wave.gravity / height)))
         return cls(**given, closed=closed, step=step, band=(PAIRED[0] * middle, highest))
 
@@ -220,13 +221,16 @@ class SecondOrder(Linear):
         line = np.rint(p.omega * count * step / (2 * np.pi)).astype(int)
         turned = self._basis * np.exp(1j * (p.k * place - p.omega * start + p.phase))
         spectrum = np.zeros((len(turned), count), complex)
-        np.add.at(spectrum, (slice(None), line), turned)
+        spectrum[:, line] = turned
         f = np.fft.fft(spectrum, axis=1).T
         sums, differences = (self._few(kernel.level) for kernel in self.kernels)
         bound = np.asarray(((f @ sums + f.conj() @ differences) * f).real.sum(-1))
         if not self.closed:
             return bound
-        lines, omega = np.fft.rfft(bound), 2 * np.pi * np.fft.rfftfreq(count, step)
+        lines, omega = (
+            np.fft.rfft(bound),
+            np.asarray(2 * np.pi / (count * step) * np.arange(count // 2 + 1), dtype=float),
+        )
         return np.asarray(np.fft.irfft(lines * steady(omega, self.band[0] / PAIRED[0]), count))
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Array:

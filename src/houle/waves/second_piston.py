@@ -5,8 +5,8 @@ frequencies; `houle.waves.piston` has the conventions, and the same for one freq
 component of frequency -omega, whose modes are -k*. For a pair of displacements of 1 m, half of it counted for each
 order of the pair, with K = k_j + k_l and W = omega_1 + omega_2 the bound potentials are
 
-    (g K tanh K d - W^2) B = -b_j b_l/2 {i W (q_1 q_2 - k_j k_l) - i/2 [omega_1 k_l^2 + omega_2 k_j^2 - omega_1 omega_2 (omega_1^3
-                             + omega_2^3)/g^2]} ,     q = omega^2/g ,
+    (g K tanh K d - W^2) B = -i b_j b_l/2 {W (q_1 q_2 - k_j k_l) - r/2} ,    q = omega^2/g ,
+    r = omega_1 k_l^2 + omega_2 k_j^2 - omega_1 omega_2 (omega_1^3 + omega_2^3)/g^2 ,
 
 and at the face phi_2,x = X_2' - X_1 phi_1,xx. Its projection on the wave that is free to travel with W vanishes: X_2'.
 """
@@ -35,10 +35,10 @@ TIMES, ROWS = 4000, 256  # instants at which the reach is looked for; those that
 def transfer(
     first: float, second: float, depth: float, gravity: float, read: Reading | None = None
 ) -> tuple[complex, complex]:
-    """Velocity [1/(m s)] of a piston at the frequency first + second [rad/s] per product of two displacements, and reading.
+    """Velocity [1/(m s)] of a piston and its reading [1/m], per product of two displacements.
 
-    A negative `second` stands for the conjugate of a component. The reading [1/m] is that of the wave alone; 0 if no
-    `read` is given.
+    The frequency is first + second [rad/s]; a negative `second` stands for the conjugate of a component. The reading is
+    that of the wave alone; 0 if no `read` is given.
     """
     count = MODES if read is None else FOR_READING
     (k, b), (m, c) = (_modes(omega, depth, gravity, count) for omega in (first, second))
@@ -60,15 +60,13 @@ def transfer(
     near = 1j * left * np.cosh(free[1:] * depth) / (free[1:] * square)
     seen = np.sum(bound * read.of_modes(both)) + np.sum(near * read.of_modes(free[1:]))
     z = (np.arange(LAYERS) + 0.5) * (depth / LAYERS)
-    up, rise = (
-        (size * n / np.cosh(n * depth) * np.sinh(np.outer(z, n))).sum(-1) for n, size in ((k, b), (m, c))
-    )
+    up, rise = ((size * n / np.cosh(n * depth) * np.sinh(np.outer(z, n))).sum(-1) for n, size in ((k, b), (m, c)))
     moved = (first * second / 2 + (first**2 + second**2) / 2 - up * rise / 2) / 2
     return complex(velocity), complex(-1j * total * seen + np.sum(read.weights(z, depth / LAYERS) * moved)) / gravity
 
 
 def _modes(omega: float, depth: float, gravity: float, count: int) -> tuple[Complex, Complex]:
-    """Wave numbers [rad/m] and potentials [m/s] of the modes of a displacement of 1 m with omega, which may be negative."""
+    """Wave numbers [rad/m] and potentials [m/s] of the modes of a displacement of 1 m; omega may be negative."""
     k = modes(abs(omega), depth, gravity, count)
     k = k if omega > 0 else -k.conj()
     return k, -gravity / omega * response(k, depth)
@@ -161,7 +159,9 @@ class PairMotion:
         The slow ones are followed until the components come again, or those of a sea would with equal steps.
         """
         low, high = self.first.reach
-        times = np.linspace(0.0, 2 * pi / float(np.median(np.diff(self.omega))), TIMES) if len(self.omega) > 1 else [0.0]
+        if len(self.omega) < 2:
+            return low, high
+        times: Array = np.asarray(np.linspace(0.0, 2 * pi / float(np.median(np.diff(self.omega))), TIMES), dtype=float)
         followed = self.differences
         slow = np.concatenate([followed.velocity(times[i : i + ROWS]) for i in range(0, len(times), ROWS)])
         way = np.concatenate([[0.0], np.cumsum((slow[1:] + slow[:-1]) / 2 * np.diff(times))])
@@ -187,9 +187,7 @@ def pair_motion(wave: SecondOrder, rest: float, read: Reading, duration: float, 
     )
     if not wave.closed:
         return found
-    mean, level = (
-        float(np.sum((phasors @ kernel) * phasors.conj()).real) for kernel in (differences, seen_slow)
-    )
+    mean, level = (float(np.sum((phasors @ kernel) * phasors.conj()).real) for kernel in (differences, seen_slow))
     peak = wave.band[0] / PAIRED[0]
     found = replace(found, mean=(mean, level))
     slow, held = _of_record(found, wave.step, peak) if wave.step else _wandering(omega, phasors, differences, peak)
@@ -199,12 +197,13 @@ def pair_motion(wave: SecondOrder, rest: float, read: Reading, duration: float, 
 def _of_record(motion: PairMotion, step: float, peak: float) -> tuple[Array, Complex]:
     """As `_wandering` for frequencies that are multiples of `step` [rad/s]: from the velocity over their period."""
     count = 2 * int(np.ceil(SAMPLES * peak / step / 2))
-    times = 2 * pi / step / count * np.arange(count)
+    times: Array = np.asarray(2 * pi / step / count * np.arange(count), dtype=float)
     slow = motion.differences
     velocity = np.concatenate([slow.velocity(times[i : i + ROWS]) for i in range(0, count, ROWS)])
     kept = slice(1, int(WANDERS * peak / SLOWEST / step) + 1)
-    speed, line = (2 / count * np.fft.rfft(velocity))[kept], step * np.arange(count // 2 + 1)[kept]
-    return line, (1 - steady(line, peak)) * speed / (1j * line)
+    speed: Complex = (2 / count * np.fft.rfft(velocity))[kept]
+    line: Array = np.asarray(step * np.arange(count // 2 + 1)[kept], dtype=float)
+    return line, np.asarray((1 - steady(line, peak)) * speed / (1j * line))
 
 
 def _wandering(omega: Array, phasors: Complex, differences: Complex, peak: float) -> tuple[Array, Complex]:

@@ -1,7 +1,7 @@
 """The force of a source that makes a sum of waves to second order: found from the surface that is wanted.
 
-As in `houle.waves.finite` the force is the gradient of a potential P(x, t) that is uniform over the depth, and P is what
-Bernoulli's equation at the surface lacks. Here it is expanded to second order, for every pair of components, about the
+As in `houle.waves.finite` the force is the gradient of a potential P(x, t) that is uniform over the depth, and P is
+what Bernoulli's equation at the surface lacks. Here it is expanded to second order, for every pair of components, about the
 still water level, where phi_z is known from the rise of the surface:
 
     phi_1,z = eta_1,t                          P_1 = phi_1,t + g eta_1
@@ -49,6 +49,15 @@ class _Stretch:
     depth: float
     gravity: float
 
+    @classmethod
+    def of(cls, wave: SecondOrder, width: float) -> _Stretch:
+        """The stretch around a source of this width [m]."""
+        unit = max(width, wave.length, ROOM * wave.depth)
+        shortest = pi / float(wave.parts.k.max())
+        count = 2 * ceil(WHOLE * unit * max(POINTS / (2 * shortest), IN_WIDTH / (2 * width)))
+        x: Array = (np.arange(count) / count - 0.5) * WHOLE * unit
+        return cls(x, FLAT * unit, float(np.sqrt(SHARPNESS)) / width, wave.depth, wave.gravity)
+
     def __post_init__(self) -> None:
         kappa = 2 * pi * np.fft.fftfreq(len(self.x), self.x[1] - self.x[0])
         self.by_x = 1j * kappa * (np.arange(len(kappa)) != len(kappa) // 2)
@@ -92,32 +101,34 @@ class _Stretch:
 class Force:
     """A force along x at some places, in the components of a wave.
 
-    first  (m, nx) force of first order [m/s2] of each vector of the sums over pairs; sums, differences (nx, m, m)
-    heap   (nx,) force of a heap of 1 m2
-    omega  frequencies [rad/s]; phases (N,) phasors of the components in the middle of the source at t = 0; phasors (N, m)
-           the vectors with these
-    heaped (N, N) heap of each pair [m2]; flux: the mean of its rate [m2/s]
-    rest   (nx,) mean force that a sea has none of [m/s2]
+    every    frequencies of all components [rad/s]; turned (N, m) vectors of their sums, first (m, nx) force of each
+             [m/s2]
+    omega    frequencies of those with bound waves [rad/s]; phasors (M, r) vectors of the sums over pairs
+    sums, differences  (nx, r, r) force of the pairs of vectors; rest (nx,): its mean, which a sea has none of [m/s2]
+    heap     (nx,) force of a heap of 1 m2
+    heaped   (M, M) heap of each pair [m2]; flux: the mean of its rate [m2/s]
+    duration time in which the waves grow [s]
     """
 
+    every: Array
+    turned: Complex
     first: Complex
-    sums: Complex
-    differences: Complex
-    heap: Array
     omega: Array
     phasors: Complex
-    phases: Complex
+    sums: Complex
+    differences: Complex
+    rest: Array
+    heap: Array
     heaped: Complex
     flux: float
-    rest: Array
     duration: float
 
     def at(self, t: float) -> Array:
         """The force at the time t [s], (nx,) [m/s2]; what is of second order grows with the square of the ramp."""
-        beat = np.exp(-1j * self.omega * t)
-        f = np.einsum("i,im->m", beat, self.phasors, optimize=False)
         grown = float(ramp(t, self.duration))
+        f = np.einsum("i,im->m", np.exp(-1j * self.every * t), self.turned, optimize=False)
         linear = np.einsum("m,mx->x", f, self.first, optimize=False).real
+        f = np.einsum("i,im->m", np.exp(-1j * self.omega * t), self.phasors, optimize=False)
         pairs = np.einsum("xab,ab->x", self.sums, np.outer(f, f), optimize=False)
         pairs = pairs + np.einsum("xab,ab->x", self.differences, np.outer(f, f.conj()), optimize=False)
         return np.asarray(grown * linear + grown**2 * (pairs.real - self.rest) + self.heap * self.heap_at(t))
@@ -129,7 +140,7 @@ class Force:
         return self._heap(t) - self._heap(self.duration) + float(self._growing[1][-1])
 
     def _heap(self, t: float) -> float:
-        beat = np.exp(-1j * self.omega * t) * self.phases
+        beat = np.exp(-1j * self.omega * t)
         rows = np.einsum("ij,j->i", self.heaped, beat.conj(), optimize=False)
         return float(np.sum(beat * rows).real) + self.flux * t
 
@@ -150,32 +161,28 @@ def half_reach(width: float, depth: float) -> float:
 
 
 def pair_force(wave: SecondOrder, width: float, side: str, middle: float, x: Array, duration: float) -> Force:
-    """The force of a source of this width [m] at x = `middle` [m], at the places x (nx,) [m], growing in `duration` [s]."""
-    parts, g, d = wave.pairs, wave.gravity, wave.depth
-    nodes = Nodes.of(parts.omega, parts.amplitude, FORCE_NODES)
-    k = dispersion.wave_number(nodes.omega, d, g)
-    unit = max(width, wave.length, ROOM * d)
-    count = 2 * ceil(WHOLE * unit * max(POINTS * k.max() / (2 * pi), IN_WIDTH / (2 * width)))
-    water = _Stretch((np.arange(count) / count - 0.5) * WHOLE * unit, FLAT * unit, np.sqrt(SHARPNESS) / width, d, g)
-    eta = water.sided(water.kept(k), side)
-    flow = _First(water, nodes.omega, k, eta)
-    first = _at(water, flow.force(), x - middle)
+    """The force of a source of this width [m] around x = `middle` [m], growing in `duration` [s], at places x [m]."""
+    water = _Stretch.of(wave, width)
+    components, every = Nodes.of(wave.pairs.omega, wave.pairs.amplitude, FORCE_NODES), wave.parts
+    flow = _First.of(water, components.omega, side)
     tables = [np.moveaxis(_at(water, flow.pairs(sign, side), x - middle), -1, 0) for sign in (1, -1)]
-    vectors = nodes.few([*tables, first.T[:, :, None] * np.ones((1, len(k)))])
-    sums, differences = (vectors.T @ nodes.led(table) @ vectors for table in tables)
-    unit = nodes.unit @ vectors
-    sign = -1.0 if side == "left" else 1.0
-    phases = np.exp(1j * (sign * parts.k * middle + parts.phase))
-    heaped, flux = _heaps(wave, nodes, water.sharp)
-    sides = 2.0 if side == "both" else 1.0
-    heap = -g * sides * _at(water, water.slope(water.bell().astype(complex)), x - middle).real
-    rest = np.zeros(len(x))
+    vectors = components.few(tables)
+    sums, differences = (vectors.T @ components.led(table) @ vectors for table in tables)
+    phasors, rest = components.unit @ vectors, np.zeros(len(x))
+    heaped, flux = _heaps(wave, components, water.sharp)
     if wave.closed:
-        rest, flux = np.einsum("xab,ab->x", differences.real, unit.T @ unit, optimize=False), 0.0
-    phasors = unit * phases[:, None]
+        rest, flux = np.einsum("xab,ab->x", differences.real, phasors.T @ phasors, optimize=False), 0.0
+    linear = Nodes.of(every.omega, every.amplitude, FORCE_NODES)
+    first = linear.lead @ _at(water, _First.of(water, linear.omega, side).force(), x - middle)
+    way = -1.0 if side == "left" else 1.0
+    turned, pairs = (np.exp(1j * (way * parts.k * middle + parts.phase)) for parts in (every, wave.pairs))
+    bell = water.slope(water.bell().astype(complex)) * (2.0 if side == "both" else 1.0)
+    heap = -wave.gravity * _at(water, bell, x - middle).real
     return Force(
-        vectors.T @ nodes.lead @ first, sums, differences, heap, parts.omega, phasors, phases, heaped, flux, rest, duration
-    )
+        every.omega, linear.unit * turned[:, None], first,
+        wave.pairs.omega, phasors * pairs[:, None], sums, differences, rest,
+        heap, heaped * np.outer(pairs, pairs.conj()), flux, duration,
+    )  # fmt: skip
 
 
 def _at(water: _Stretch, field: Complex, x: Array) -> Complex:
@@ -204,6 +211,12 @@ class _First:
     omega: Array
     k: Array
     eta: Complex
+
+    @classmethod
+    def of(cls, water: _Stretch, omega: Array, side: str) -> _First:
+        """The waves of these frequencies [rad/s] to a side."""
+        k = dispersion.wave_number(omega, water.depth, water.gravity)
+        return cls(water, omega, k, water.sided(water.kept(k), side))
 
     def __post_init__(self) -> None:
         self.rise = -1j * self.omega[:, None] * self.eta
@@ -234,7 +247,7 @@ class _First:
         water = self.water
         size = pair.level[:, None]
         if sign > 0:
-            return water.sided(size * water.kept(pair.wave), side), np.zeros((1, len(water.x)))
+            return water.sided(size * water.kept(pair.wave), side), np.zeros((1, len(water.x)), complex)
         flux = (pair.omega * pair.level / pair.wave * np.exp(-(pair.wave**2) / (4 * water.sharp**2)))[:, None]
         end = np.exp(1j * pair.wave[:, None] * water.flat) * water.bell(water.flat)
         heap = flux * (end - water.bell())

@@ -14,7 +14,18 @@ from houle.case.tables.base import OneOf, Point2, Table
 from houle.registry import choices
 from houle.waves.wave import GAMMA
 
-CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus", "order")  # keys of some kinds only
+CHOSEN = (
+    "theory",
+    "height",
+    "period",
+    "seed",
+    "gamma",
+    "file",
+    "start",
+    "gap",
+    "focus",
+    "order",
+)  # keys of some kinds only
 MAKERS = ("source", "zone", "piston")
 PASSING = ("solitary", "focused", "series", "paddle")  # kinds whose waves pass once: they have no steady window
 
@@ -108,7 +119,7 @@ class Waves(Table):
     gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap, tma and focused [-]")
     order: Literal[1, 2] = Field(
         default=1,
-        description="order of a sum of waves: 1, each by itself; 2, with the waves that are bound to each pair of them, "
+        description="order of a sum of waves: 1, each by itself; 2, with the waves bound to every pair of them, "
         "at the sum and at the difference of their frequencies (set-down under groups, sharp crests)",
     )
     file: str | None = Field(
@@ -166,7 +177,7 @@ class Waves(Table):
             found.append(f"order = 2: waves along x only, but direction = {self.direction:g}; remove one of them")
         if self.order == 2 and self.source is not None and self.source.form != "finite":
             found.append(
-                f'order = 2: source.form = "{self.source.form}" makes linear waves; leave it out ("finite"), or order = 1'
+                f'order = 2: source.form = "{self.source.form}" makes linear waves; leave it out, or give order = 1'
             )
         if self.kind == "paddle":
             found += self._unfit_for_a_paddle(given)
