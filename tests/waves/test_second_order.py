@@ -152,6 +152,18 @@ def test_the_vectors_hold_all_pairs_of_a_sea():
         np.testing.assert_allclose(a[:, 0], b, atol=1e-13)
 
 
+@pytest.mark.parametrize("height", [0.06, 0.2])
+def test_the_velocity_for_a_zone_is_the_velocity(height):
+    """From the vectors in the whole, or with components apart that are too short for bound waves (at 0.2 m)."""
+    wave = SecondOrder.of_linear(irregular("jonswap", height, 2.0, DEPTH, GRAVITY), True)
+    assert (wave._others is None) == (height == 0.06)
+    x, z = np.linspace(0, 4, 15), np.linspace(0.01, 0.7, 12)
+    for t in (3.3, 4.4):
+        u, w = wave.velocity_on(x, z, t)
+        np.testing.assert_allclose(wave.along_on(x, z, t), u, atol=1e-5 * np.abs(u).max())
+        np.testing.assert_array_equal(wave.up_on(x, z, t), w)
+
+
 def test_the_sizes_of_the_bound_waves_are_those_of_a_long_record():
     wave = SecondOrder.of_linear(irregular("jonswap", 0.06, 2.0, DEPTH, GRAVITY), True)
     eta = wave.bound(0.0, np.arange(0, 3600, 0.1))

@@ -8,7 +8,7 @@ S the kernel of the sums and D that of the differences of two frequencies. 200 c
 kernels are smooth functions of both frequencies, so that a few vectors v_r, which all kernels of a wave share, hold
 them:
 
-    a_i a_j S_ij = sum_rs v_ir s_rs v_jr ,    q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) ,    F_r = sum_i v_ir E_i .
+    a_i a_j S_ij = sum_rs v_ir s_rs v_jr ,  F_r = sum_i v_ir E_i ,  q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) .
 
 Some ten vectors do to 1e-6. The kernels are computed at nodes: the components themselves if they are few, else Chebyshev
 points in frequency, between which a polynomial leads to the components (Trefethen 2013, Approximation theory).
@@ -57,13 +57,19 @@ class Nodes:
         """A kernel (..., n, n) at the nodes as one between the columns of `unit`."""
         return self.lead @ kernel @ self.lead.T
 
-    def few(self, kernels: list[NDArray]) -> Array:
-        """The vectors (m, R), in the columns of `unit`, that hold these kernels (..., n, n) to `TOLERANCE`."""
+    def few(self, kernels: list[NDArray], single: Array | None = None) -> Array:
+        """The vectors (m, R), in the columns of `unit`, that hold these kernels (..., n, n) to `TOLERANCE`.
+
+        single: functions of one frequency (..., n) that they hold as well.
+        """
         spread = np.zeros((self.lead.shape[0],) * 2)
         for kernel in kernels:
             led = self.led(kernel).reshape(-1, *self.lead.shape[:1] * 2)
             square = np.einsum("mij,mkj->ik", led, led.conj(), optimize=True).real
             spread += square / max(float(np.trace(square)), 1e-300)
+        if single is not None:
+            led = single @ self.lead.T
+            spread += led.T @ led / float(np.sum(led**2))
         size, vectors = np.linalg.eigh(spread)
         left = np.cumsum(np.maximum(size, 0.0))
         return np.asarray(vectors[:, left > TOLERANCE**2 * left[-1]])

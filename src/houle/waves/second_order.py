@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from houle.waves import dispersion
-from houle.waves.linear import Linear, _product
+from houle.waves.linear import Linear, _product, profiles
 from houle.waves.pairs import Complex, Nodes
 from houle.waves.wave import Array, Components
 
@@ -150,7 +150,20 @@ class SecondOrder(Linear):
     def _vectors(self) -> Array:
         z = np.linspace(0.0, self.depth, LEVELS)
         given = [k.level for k in self.kernels] + [k.along(z, self.depth) for k in self.kernels]
-        return self._nodes.few(given)
+        return self._nodes.few(given, self._profile(np.append(z, self.depth + self.highest)))
+
+    def _profile(self, z: Array) -> Array:
+        """The velocity u of first order per amplitude at the nodes, at the levels z (nz,) [m]: (nz, n) [1/s]."""
+        k = dispersion.wave_number(self._nodes.omega, self.depth, self.gravity)
+        speed = dispersion.celerity(k, self.depth, self.gravity)
+        return np.asarray(speed * profiles(k, self._level(z), self.depth)[0])
+
+    @cached_property
+    def _others(self) -> Linear | None:
+        """The components without bound waves; None if all have them."""
+        kept = np.isin(self.parts.omega, self.pairs.omega)
+        given = {f.name: getattr(self, f.name) for f in fields(Linear)}
+        return None if kept.all() else Linear(**(given | {"parts": self.parts.chosen(~kept)}))
 
     @cached_property
     def _basis(self) -> Array:
@@ -172,6 +185,21 @@ class SecondOrder(Linear):
         p = self.pairs
         theta = p.k * x[:, None] - p.omega * np.asarray(t, dtype=float)[..., None] + p.phase
         return _products(_product(np.cos(theta), self._basis) + 1j * _product(np.sin(theta), self._basis))
+
+    def _sums(self, x: Array, t: float) -> Complex:
+        """F (nx, R) at one time [s]; the places are kept from one time to the next."""
+        key = x.tobytes()
+        if key not in self._places:
+            self._places.clear()
+            theta = self.pairs.k * x[:, None] + self.pairs.phase
+            self._places[key] = np.cos(theta), np.sin(theta)
+        (cos, sin), turn = self._places[key], self.pairs.omega * t
+        ahead, across = self._basis * np.cos(turn), self._basis * np.sin(turn)
+        return _product(cos, ahead) + _product(sin, across) + 1j * (_product(sin, ahead) - _product(cos, across))
+
+    @cached_property
+    def _places(self) -> dict[bytes, tuple[Array, Array]]:
+        return {}
 
     @cached_property
     def _levels(self) -> Array:
@@ -202,6 +230,15 @@ class SecondOrder(Linear):
             w = self._table(sums, (differences - differences.swapaxes(1, 2)) / 2)  # no w of a wave with itself
             self._tables[key] = u, w
         return self._tables[key]
+
+    def _along(self, z: Array) -> Array:
+        """Table of u of first and second order at the levels z (nz,) [m], (nz, R + R (R + 1))."""
+        key = b"along" + z.tobytes()
+        if key not in self._tables:
+            first = self._profile(z) @ self._nodes.lead.T @ self._vectors
+            both = np.concatenate([first, self._speeds(z)[0]], axis=1)
+            self._tables[key] = both, both
+        return self._tables[key][0]
 
     def bound(self, x: ArrayLike, t: ArrayLike) -> Array:
         """The elevation of second order [m], at x [m] and t [s], broadcast."""
@@ -245,9 +282,10 @@ class SecondOrder(Linear):
         )
 
     def along_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
-        table = self._speeds(np.asarray(z, dtype=float))[0]
-        bound = _product(self._products(np.asarray(x, dtype=float), t).real.copy(), table)
-        return super().along_on(x, z, t) + bound - self._still[1]
+        x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
+        f = self._sums(x, t)
+        u = _product(np.concatenate([f.real, _products(f).real], axis=1), self._along(z)) - self._still[1]
+        return u if self._others is None else u + self._others.along_on(x, z, t)
 
     def up_on(self, x: ArrayLike, z: ArrayLike, t: float) -> Array:
         return self.velocity_on(x, z, t)[1]

@@ -1,8 +1,8 @@
 """The force of a source that makes a sum of waves to second order: found from the surface that is wanted.
 
 As in `houle.waves.finite` the force is the gradient of a potential P(x, t) that is uniform over the depth, and P is
-what Bernoulli's equation at the surface lacks. Here it is expanded to second order, for every pair of components, about the
-still water level, where phi_z is known from the rise of the surface:
+what Bernoulli's equation at the surface lacks. Here it is expanded to second order, for every pair of components, about
+the still water level, where phi_z is known from the rise of the surface:
 
     phi_1,z = eta_1,t                          P_1 = phi_1,t + g eta_1
     phi_2,z = eta_2,t + (eta_1 phi_1,x)_x      P_2 = phi_2,t + g eta_2 + (phi_1,x^2 + phi_1,z^2)/2 + eta_1 phi_1,tz

@@ -44,7 +44,8 @@ class Source(Table):
     width: float | None = Field(
         default=None,
         gt=0,
-        description="width; a wavelength when left out, a quarter of that of the peak for spectra [m]",
+        description="width; a wavelength when left out, a quarter of that of the peak for spectra, half of it with "
+        "order = 2 [m]",
     )
     form: Literal["finite", "linear", "boussinesq"] = Field(
         default="finite",
