@@ -1,10 +1,10 @@
 """What a maker sends out beside the bound waves of two waves: free ones of the same frequencies.
 
-    python benchmarks/bound_waves.py {piston,zone,source,both} {1,2} [--spacing 0.025]
+    python benchmarks/bound_waves.py {piston,zone,source,both} {1,2} [--spacing 0.025] [--top 0.34375]
 
 Waves of 8 and 6 mm, 0.7 and 1 Hz, in 0.25 m of water. After 20 s the levels are taken over ten seconds, a period of
-both waves together. At each sum and difference of the frequencies three waves are fitted to the amplitude along the flume: a
-bound one, a free one, and a free one that comes back from the sponge. It takes a minute or two.
+both waves together. At each sum and difference of the frequencies three waves are fitted to the amplitude along the
+flume: a bound one, a free one, and a free one that comes back from the sponge. It takes a minute or two.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from houle.waves.linear import Linear
 from houle.waves.second_order import Kernel, SecondOrder
 from houle.waves.wave import Components
 
-DEPTH, GRAVITY, LENGTH, TOP = 0.25, 9.81, 17.0, 0.35  # m, m/s2, size of the tank [m]
+DEPTH, GRAVITY, LENGTH = 0.25, 9.81, 17.0  # m, m/s2, length of the tank [m]
 AMPLITUDE, OMEGA = np.array([0.008, 0.006]), 2 * np.pi * np.array([0.7, 1.0])  # m, rad/s
 BEGIN, END, SPONGE = 20.0, 30.0, 11.8  # s, s, m
 MAKERS = {  # table, and where its waves begin to be looked at [m]
@@ -43,16 +43,16 @@ def pair(order: int) -> Linear:
     return SecondOrder.of_linear(wave, True) if order == 2 else wave
 
 
-def levels(maker: str, order: int, spacing: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+def levels(maker: str, order: int, spacing: float, top: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Times [s], places [m] and elevations (time, place) [m] of a run."""
     behind = [(0.0, 3.0)] if maker in ("source", "both") else []
     table = {"kind": "jonswap", "height": 0.02, "period": 1.2, "depth": DEPTH, "order": order, "ramp": 3.0}
     case = {
         "case": {"name": "bound-waves"},
-        "domain": {"size": [LENGTH, TOP], "spacing": spacing},
+        "domain": {"size": [LENGTH, top], "spacing": spacing},
         "water": [{"below": DEPTH}],
         "waves": table | MAKERS[maker][0],
-        "sponge": [{"box": [[a, 0.0], [b, TOP]]} for a, b in [(SPONGE, LENGTH), *behind]],
+        "sponge": [{"box": [[a, 0.0], [b, top]]} for a, b in [(SPONGE, LENGTH), *behind]],
         "time": {"end": 100.0},
     }
     with patch("houle.case.model.make", lambda *_: pair(order)):
@@ -72,8 +72,9 @@ def main() -> None:
     parser.add_argument("maker", choices=MAKERS)
     parser.add_argument("order", type=int, choices=(1, 2))
     parser.add_argument("--spacing", type=float, default=0.025)
+    parser.add_argument("--top", type=float, default=0.34375, help="height of the tank [m]: cells are fitted to it")
     given = parser.parse_args()
-    time, x, eta = levels(given.maker, given.order, given.spacing)
+    time, x, eta = levels(given.maker, given.order, given.spacing, given.top)
     seen = (x > MAKERS[given.maker][1]) & (x < SPONGE - 0.6)
     steps = np.gradient(time)
     for name, (i, j, sign) in LINES.items():

@@ -8,10 +8,11 @@ S the kernel of the sums and D that of the differences of two frequencies. 200 c
 kernels are smooth functions of both frequencies, so that a few vectors v_r, which all kernels of a wave share, hold
 them:
 
-    a_i a_j S_ij = sum_rs v_ir s_rs v_jr ,  F_r = sum_i v_ir E_i ,  q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) .
+    a_i a_j S_ij = sum_rs v_ir s_rs v_jr ,  F_r = sum_i v_ir E_i ,
+    q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) .
 
-Some ten vectors do to 1e-6. The kernels are computed at nodes: the components themselves if they are few, else Chebyshev
-points in frequency, between which a polynomial leads to the components (Trefethen 2013, Approximation theory).
+Some ten vectors do to 1e-6. The kernels are computed at nodes: the components themselves if they are few, else
+Chebyshev points in frequency, between which a polynomial leads to the components (Trefethen 2013, Approximation theory).
 """
 
 from __future__ import annotations
