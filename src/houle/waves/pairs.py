@@ -12,7 +12,8 @@ them:
     q = Re sum_rs (s_rs F_r F_s + d_rs F_r F*_s) .
 
 Some ten vectors do to 1e-6. The kernels are computed at nodes: the components themselves if they are few, else
-Chebyshev points in frequency, between which a polynomial leads to the components (Trefethen 2013, Approximation theory).
+Chebyshev points in frequency, between which a polynomial leads to the components (Trefethen 2013, Approximation
+theory).
 """
 
 from __future__ import annotations
