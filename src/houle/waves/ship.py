@@ -143,10 +143,8 @@ def record(ship: Passage, way: float, depth: float, gravity: float) -> tuple[Arr
     """Times [s] and elevations [m] of the incident wave at a bank `way` metres behind its maker.
 
     The record begins so early that no wave has left the maker then: such a wave would come round from the end of the
-    Fourier series. Raises WaveError for a stern wave as high as the water is deep.
+    Fourier series.
     """
-    if ship.stern >= depth:
-        raise WaveError(f"ship.speed = {ship.speed:g}: a stern wave of {ship.stern:.3g} m in {depth:g} m of water")
     slow, _ = travel(ship, way, depth, gravity)
     first = min(ship.time + ship.knots[0][0] / ship.speed, ship.arrivals[0] - GROWS * ship.period) - slow
     step = ship.period / SAMPLES
