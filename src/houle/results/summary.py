@@ -106,6 +106,36 @@ def _pascal(value: float) -> str:
     return f"{value:.0f} Pa" if abs(value) < 1e4 else f"{value / 1e3:.1f} kPa"
 
 
+def banks(found: list[dict[str, Any]]) -> Rows:
+    """Rows about the stability of each bank, from the entry of run.json."""
+    return [pair for entry in found for pair in _bank(entry)]
+
+
+def _bank(b: dict[str, Any]) -> Rows:
+    def at(key: str) -> str:
+        return f"at x = {b[key]['x']:.4g} m, {b[key]['time']:.4g} s"
+
+    flow = f", {b['shields_in_section']:.3g} without the current along the bank" if b["current"] else ""
+    return [
+        (
+            f"{b['bank']}: factor of safety",
+            f"{b['safety']['value']:.3g} {at('safety')}; {b['still']:.3g} in still water; below 1 for "
+            f"{b['unstable']:.3g} s",
+        ),
+        (
+            "  exit gradient",
+            f"{b['gradient']['value']:.3g} {at('gradient')}; {b['critical']:.3g} lifts the grains; above it for "
+            f"{b['lifting']:.3g} s",
+        ),
+        ("  excess pore pressure", f"{_pascal(b['excess']['value'])} {at('excess')}"),
+        (
+            "  Shields number",
+            f"{b['shields']['value']:.3g} {at('shields')}{flow}; grains move above {b['mobile']:.3g}, for "
+            f"{b['moving']:.3g} s",
+        ),
+    ]
+
+
 def reflection(entry: dict[str, Any]) -> Rows:
     """Rows of the reflection analysis, from its entry in run.json: coefficients, heights, window, notes."""
     if not entry:
@@ -186,6 +216,7 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         waves(summary),
         (f"Surface, rms against {label}", against_laboratory(summary)),
         ("Largest pressure at the sensors", pressures(summary.get("pressure", []))),
+        ("Stability of the bank, worst places and times", banks(summary.get("bank", []))),
         ("Reflection", reflection(found) if (found := summary.get("reflection")) else []),
         (
             "Wave quality (the same flume without the structure)",

@@ -1,0 +1,180 @@
+"""Stability of the banks of a run, from the series of its [[bank]] tables: does seepage, or the flow, move the grains?
+
+Of each bank: excess pore pressure, exit gradient, factor of safety against sliding (`houle.analysis.slope`) and Shields
+number (`houle.analysis.erosion`), the worst of all its places and times. With a ship, the return current that it drives
+along the bank, normal to the section, rubs over the grains too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from houle.analysis import Layer, along_layer, excess_pore_pressure, shields
+from houle.case.build import site_of
+from houle.observe.bank import Bank, Face
+from houle.output import series_table
+from houle.output.netcdf import TIME, Variable
+from houle.waves.ship import ShipWave
+
+if TYPE_CHECKING:
+    from houle.case.model import Case
+    from houle.results.run import Run
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a bank saw: pressures on its face and inside (N, T) [Pa], speeds along the face (N, T) [m/s], times (T,)."""
+
+    time: Real
+    face: Real
+    inside: Real
+    speed: Real
+
+
+@dataclass(frozen=True)
+class Worst:
+    """A number at its worst: value, place on the face x [m], time [s]."""
+
+    value: float
+    x: float
+    time: float
+
+    @classmethod
+    def of(cls, values: Real, x: Real, time: Real, lowest: bool = False) -> Worst:
+        """The largest, or lowest, of values (N, T)."""
+        i, j = np.unravel_index(int(values.argmin() if lowest else values.argmax()), values.shape)
+        return cls(float(values[i, j]), float(x[i]), float(time[j]))
+
+
+@dataclass(frozen=True)
+class Stability:
+    """The answers about one bank.
+
+    safety     lowest factor of safety against sliding; `still` is that in still water, `unstable` the time below 1 [s]
+    gradient   largest exit gradient; `critical` lifts the grains, `lifting` is the time above it [s]
+    excess     largest pore pressure above that of water at rest with the level outside [Pa]
+    shields    largest Shields number; `mobile` moves the grains; `moving`: longest time above it at one place [s]
+    current    largest current along the bank, from a ship, that is part of it [m/s]
+    shields_in_section   largest Shields number without this current
+    """
+
+    bank: str
+    safety: Worst
+    still: float
+    unstable: float
+    gradient: Worst
+    critical: float
+    lifting: float
+    excess: Worst
+    shields: Worst
+    mobile: float
+    moving: float
+    current: float
+    shields_in_section: float
+
+
+def record(run: Run) -> dict[str, Any]:
+    """The entry "bank" of run.json, a list in the order of the tables; {} without any, or without a second row."""
+    series = series_table(run.directory)
+    if "bank_speed" not in series or series.sizes["time"] < 2:
+        return {}
+    names = np.asarray(series["bank"].values)
+    time = np.asarray(series["time"].values, dtype=float)
+    face, inside, speed = (
+        _along_time(series[name]) for name in ("bank_pressure_face", "bank_pressure_inside", "bank_speed")
+    )
+    found = []
+    for table in run.case.bank:
+        mine = names == table.name
+        found.append(asdict(stability(run.case, table.name, Seen(time, face[mine], inside[mine], speed[mine]))))
+    return {"bank": found}
+
+
+def _along_time(variable: Variable) -> Real:
+    """The values of each place against time, (N, T)."""
+    return np.moveaxis(np.asarray(variable.values, dtype=float), variable.dims.index(TIME), -1)
+
+
+def stability(case: Case, name: str, seen: Seen) -> Stability:
+    """The answers about the bank of this name in a case, from what it saw."""
+    table = next(row for row in case.bank if row.name == name)
+    bank = Bank(**{key: getattr(table, key) for key in type(table).model_fields})
+    body = next(row for row in case.porous if row.name == bank.body)
+    place, face, fluid = site_of(case), bank.face(site_of(case)), case.fluid
+    x, time, dt = face.points[:, 0], seen.time, _share_of_time(seen.time)
+    layer = Layer(
+        thickness=bank.depth, slope=face.slope[:, None], porosity=body.porosity, density=fluid.density,
+        friction_angle=float(np.radians(bank.friction_angle)), grain_density=bank.grain_density,
+        gravity=fluid.gravity,
+    )  # fmt: skip
+    downwards = along_layer(_down(face), seen.face.T, seen.inside.T).T
+    safety = layer.safety(seen.face, seen.inside, downwards)
+    weighs = fluid.density * fluid.gravity
+    rise = bank.depth * np.cos(face.slope)[:, None]
+    gradient = ((seen.inside - seen.face) / weighs - rise) / bank.depth
+    outwards = np.where(seen.inside > 0.0, gradient, -np.inf)
+    buoyant = (bank.grain_density / fluid.density - 1.0) * (1.0 - body.porosity)
+    lowest = int(face.points[:, -1].argmin())
+    outside = seen.face[lowest] / weighs + face.points[lowest, -1]
+    excess = excess_pore_pressure(
+        seen.inside, outside, (face.points[:, -1:] - rise), density=fluid.density, gravity=fluid.gravity
+    )
+    grain = body.grain_diameter
+    moved = _shields(case, bank, seen, face, grain, bank.height(place)) if grain else np.zeros((3, *seen.face.shape))
+    number, in_section, critical = moved
+    return Stability(
+        bank=name,
+        safety=Worst.of(safety, x, time, lowest=True),
+        still=float(np.min(layer.still)),
+        unstable=float(((safety < 1.0) @ dt).max()),
+        gradient=Worst.of(outwards, x, time),
+        critical=float(buoyant * np.cos(face.slope).min()),
+        lifting=float(((outwards > buoyant * np.cos(face.slope)[:, None]) @ dt).max()),
+        excess=Worst.of(excess, x, time),
+        shields=Worst.of(number, x, time),
+        mobile=float(critical.min()),
+        moving=float(((number > critical) @ dt).max()),
+        current=float(_along_the_bank(case, time).max()),
+        shields_in_section=float(in_section.max()),
+    )
+
+
+def _share_of_time(time: Real) -> Real:
+    """The time [s] for which each row of the series stands."""
+    return np.asarray(np.gradient(time))
+
+
+def _down(face: Face) -> Real:
+    """Places (N,) [m] along the face, in the direction in which it goes down."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(face.points, axis=0), axis=1))])
+    return way if face.points[-1, -1] <= face.points[0, -1] else -way
+
+
+def _shields(case: Case, bank: Bank, seen: Seen, face: Face, grain: float, height: float) -> Real:
+    """Shields numbers with and without the current along the bank, and the critical ones: (3, N, T)."""
+    fluid, current = case.fluid, _along_the_bank(case, seen.time)
+    repose = np.radians(bank.friction_angle)
+    found = []
+    for slope, speed, pressure in zip(face.slope, seen.speed, seen.face, strict=True):
+        keys = {
+            "slope": min(float(slope), float(repose) * (1 - 1e-9)), "repose": float(repose),
+            "relative_density": bank.grain_density / fluid.density, "viscosity": fluid.viscosity,
+            "gravity": fluid.gravity,
+        }  # fmt: skip
+        depth = pressure / (fluid.density * fluid.gravity)
+        both = shields(speed, height, grain, across=current, depth=depth, **keys)
+        alone = shields(speed, height, grain, **keys)
+        found.append([both.number, alone.number, np.full(len(speed), both.critical)])
+    return np.moveaxis(np.array(found), 1, 0)
+
+
+def _along_the_bank(case: Case, time: Real) -> Real:
+    """The return current of the ship of a case along the bank [m/s]; 0 without a ship."""
+    wave = case.wave
+    return wave.passage.along(time) if isinstance(wave, ShipWave) else np.zeros(len(time))
