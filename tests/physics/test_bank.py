@@ -129,7 +129,7 @@ def test_the_drawdown_of_the_formulas_comes_to_the_bank():
     ship, sim = wave.passage, simulation(case)
     time, level = [], []
     while sim.time < ship.end:
-        sim.step()
+        sim.advance(ship.end)
         time.append(sim.time)
         level.append(float(sim.sample()["eta"][0]) - 1.0)
     t, eta = np.array(time), np.array(level)

@@ -29,7 +29,7 @@ Real = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Seen:
-    """What a bank saw: pressures on its face and inside (N, T) [Pa], speeds along the face (N, T) [m/s], times (T,)."""
+    """A bank as it was seen: pressures on its face and inside (N, T) [Pa], speeds along the face (N, T) [m/s], times (T,)."""
 
     time: Real
     face: Real
