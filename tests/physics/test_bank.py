@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from situations import simulation
 
+import houle
 from houle.case.model import load
 from houle.check.rules import check
 from houle.errors import CaseError
+from houle.results import summary
 from houle.results.bank import Seen, stability
 from houle.waves.ship import ShipWave
 
@@ -53,6 +55,31 @@ def test_still_water_presses_with_its_depth_and_the_slope_is_as_safe_as_dry_grai
     assert found.gradient.value == pytest.approx(0.0, abs=1e-4) and found.excess.value == pytest.approx(0.0, abs=0.1)
     assert found.critical == pytest.approx(1.65 * 0.6 * cos) and found.unstable == found.lifting == found.moving == 0.0
     assert case.bank[0].name == "bank-1"
+
+
+def test_a_run_ends_with_the_answers_about_its_banks(tmp_path):
+    """Water at rest before a bank whose pores stand higher: it comes out, and the slope is less safe than at rest."""
+    case = dyke() | {"time": {"end": 0.2}, "output": {"every": 0.1, "series_every": 0.02}}
+    case["water"] = [{"box": [[0.0, 0.0], [1.0, 0.3]]}, {"polygon": [[1.0, 0.0], [2.4, 0.0], [2.4, 0.5], [1.0, 0.5]]}]
+    found = houle.run(case, tmp_path / "run", progress=False)
+    (bank,) = found.summary["bank"]
+    assert bank["bank"] == "bank-1" and bank["critical"] == pytest.approx(1.65 * 0.6 * 2 / np.sqrt(5))
+    assert 0.0 < bank["safety"]["value"] < bank["still"] and bank["gradient"]["value"] > 0.0
+    assert bank["shields"]["value"] == bank["shields_in_section"] > 0.0 == bank["current"]
+    words = dict(summary.banks(found.summary["bank"]))
+    assert "1.4 in still water" in words["bank-1: factor of safety"] and "moves the grains" in words["  Shields number"]
+
+
+def test_a_body_without_grains_has_no_shields_number(tmp_path):
+    case = dyke() | {"time": {"end": 0.04}, "output": {"every": 0.02, "series_every": 0.02}}
+    del case["porous"][0]["grain_diameter"]
+    case["porous"][0]["resistance"] = {"a": 100.0, "b": 500.0}
+    found = houle.run(case, tmp_path / "run", progress=False)
+    (bank,) = found.summary["bank"]
+    assert bank["shields"] is None
+    assert [name for name, _ in summary.banks([bank])] == [
+        "bank-1: factor of safety", "  exit gradient", "  excess pore pressure",
+    ]  # fmt: skip
 
 
 def test_a_bank_that_faces_right_and_one_in_3d_are_seen_alike():

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.analysis import Layer, along_layer, excess_pore_pressure, shields
+from houle.analysis import Layer, along_layer, critical_gradient, excess_pore_pressure, shields
 from houle.case.build import site_of
 from houle.observe.bank import Bank, Face
 from houle.output import series_table
@@ -29,7 +29,11 @@ Real = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Seen:
-    """A bank as it was seen: pressures on its face and inside (N, T) [Pa], speeds along the face (N, T) [m/s], times (T,)."""
+    """A bank as it was seen.
+
+    time  (T,) [s]    face, inside  pressures on the face and on the plane inside (N, T) [Pa]
+    speed             along the face (N, T) [m/s]
+    """
 
     time: Real
     face: Real
@@ -59,7 +63,8 @@ class Stability:
     safety     lowest factor of safety against sliding; `still` is that in still water, `unstable` the time below 1 [s]
     gradient   largest exit gradient; `critical` lifts the grains, `lifting` is the time above it [s]
     excess     largest pore pressure above that of water at rest with the level outside [Pa]
-    shields    largest Shields number; `mobile` moves the grains; `moving`: longest time above it at one place [s]
+    shields    largest Shields number; `mobile` moves the grains; `moving`: longest time above it at one place [s]; None
+               of a body without grains
     current    largest current along the bank, from a ship, that is part of it [m/s]
     shields_in_section   largest Shields number without this current
     """
@@ -72,7 +77,7 @@ class Stability:
     critical: float
     lifting: float
     excess: Worst
-    shields: Worst
+    shields: Worst | None
     mobile: float
     moving: float
     current: float
@@ -105,49 +110,55 @@ def stability(case: Case, name: str, seen: Seen) -> Stability:
     """The answers about the bank of this name in a case, from what it saw."""
     table = next(row for row in case.bank if row.name == name)
     bank = Bank(**{key: getattr(table, key) for key in type(table).model_fields})
-    body = next(row for row in case.porous if row.name == bank.body)
-    place, face, fluid = site_of(case), bank.face(site_of(case)), case.fluid
-    x, time, dt = face.points[:, 0], seen.time, _share_of_time(seen.time)
-    layer = Layer(
-        thickness=bank.depth, slope=face.slope[:, None], porosity=body.porosity, density=fluid.density,
-        friction_angle=float(np.radians(bank.friction_angle)), grain_density=bank.grain_density,
-        gravity=fluid.gravity,
-    )  # fmt: skip
-    downwards = along_layer(_down(face), seen.face.T, seen.inside.T).T
-    safety = layer.safety(seen.face, seen.inside, downwards)
-    weighs = fluid.density * fluid.gravity
-    rise = bank.depth * np.cos(face.slope)[:, None]
-    gradient = ((seen.inside - seen.face) / weighs - rise) / bank.depth
-    outwards = np.where(seen.inside > 0.0, gradient, -np.inf)
-    buoyant = (bank.grain_density / fluid.density - 1.0) * (1.0 - body.porosity)
-    lowest = int(face.points[:, -1].argmin())
-    outside = seen.face[lowest] / weighs + face.points[lowest, -1]
-    excess = excess_pore_pressure(
-        seen.inside, outside, (face.points[:, -1:] - rise), density=fluid.density, gravity=fluid.gravity
-    )
-    grain = body.grain_diameter
-    moved = _shields(case, bank, seen, face, grain, bank.height(place)) if grain else np.zeros((3, *seen.face.shape))
-    number, in_section, critical = moved
+    face = bank.face(site_of(case))
+    x, time, dt, layer = face.points[:, 0], seen.time, np.gradient(seen.time), _layer(case, bank, face)
+    safety = layer.safety(seen.face, seen.inside, along_layer(_down(face), seen.face.T, seen.inside.T).T)
+    outwards = _exit_gradient(layer, seen)
+    critical = critical_gradient(layer.porosity, bank.grain_density / layer.density) * np.cos(face.slope)
+    number, in_section, mobile = _shields(case, bank, seen, face)
     return Stability(
         bank=name,
         safety=Worst.of(safety, x, time, lowest=True),
         still=float(np.min(layer.still)),
         unstable=float(((safety < 1.0) @ dt).max()),
         gradient=Worst.of(outwards, x, time),
-        critical=float(buoyant * np.cos(face.slope).min()),
-        lifting=float(((outwards > buoyant * np.cos(face.slope)[:, None]) @ dt).max()),
-        excess=Worst.of(excess, x, time),
-        shields=Worst.of(number, x, time),
-        mobile=float(critical.min()),
-        moving=float(((number > critical) @ dt).max()),
+        critical=float(critical.min()),
+        lifting=float(((outwards > critical[:, None]) @ dt).max()),
+        excess=Worst.of(_excess(layer, face, seen), x, time),
+        shields=Worst.of(number, x, time) if np.isfinite(number).all() else None,
+        mobile=float(mobile.min()),
+        moving=float(((number > mobile) @ dt).max()),
         current=float(_along_the_bank(case, time).max()),
         shields_in_section=float(in_section.max()),
     )
 
 
-def _share_of_time(time: Real) -> Real:
-    """The time [s] for which each row of the series stands."""
-    return np.asarray(np.gradient(time))
+def _layer(case: Case, bank: Bank, face: Face) -> Layer:
+    """The layer of a bank that might slide."""
+    body = next(row for row in case.porous if row.name == bank.body)
+    return Layer(
+        thickness=bank.depth,
+        slope=face.slope[:, None],
+        porosity=body.porosity,
+        friction_angle=float(np.radians(bank.friction_angle)),
+        grain_density=bank.grain_density,
+        density=case.fluid.density,
+        gravity=case.fluid.gravity,
+    )
+
+
+def _exit_gradient(layer: Layer, seen: Seen) -> Real:
+    """Gradient of the head from the plane out to the face (N, T) [-], minus infinity where the plane is dry."""
+    head = (seen.inside - seen.face) / (layer.density * layer.gravity) - layer.thickness * np.cos(layer.slope)
+    return np.where(seen.inside > 0.0, head / layer.thickness, -np.inf)
+
+
+def _excess(layer: Layer, face: Face, seen: Seen) -> Real:
+    """Pore pressure above that of water at rest with the level outside (N, T) [Pa]; that is the lowest place's head."""
+    height, lowest = face.points[:, -1:], int(face.points[:, -1].argmin())
+    level = seen.face[lowest] / (layer.density * layer.gravity) + height[lowest]
+    below = height - layer.thickness * np.cos(layer.slope)
+    return excess_pore_pressure(seen.inside, level, below, density=layer.density, gravity=layer.gravity)
 
 
 def _down(face: Face) -> Real:
@@ -156,16 +167,17 @@ def _down(face: Face) -> Real:
     return way if face.points[-1, -1] <= face.points[0, -1] else -way
 
 
-def _shields(case: Case, bank: Bank, seen: Seen, face: Face, grain: float, height: float) -> Real:
+def _shields(case: Case, bank: Bank, seen: Seen, face: Face) -> Real:
     """Shields numbers with and without the current along the bank, and the critical ones: (3, N, T)."""
-    fluid, current = case.fluid, _along_the_bank(case, seen.time)
-    repose = np.radians(bank.friction_angle)
-    found = []
+    fluid, grain = case.fluid, next(row.grain_diameter for row in case.porous if row.name == bank.body)
+    if grain is None:
+        return np.full((3, *seen.face.shape), np.nan)
+    current, height = _along_the_bank(case, seen.time), bank.height(site_of(case))
+    repose, found = float(np.radians(bank.friction_angle)), []
     for slope, speed, pressure in zip(face.slope, seen.speed, seen.face, strict=True):
         keys = {
-            "slope": min(float(slope), float(repose) * (1 - 1e-9)), "repose": float(repose),
-            "relative_density": bank.grain_density / fluid.density, "viscosity": fluid.viscosity,
-            "gravity": fluid.gravity,
+            "slope": min(float(slope), repose * (1 - 1e-9)), "repose": repose, "viscosity": fluid.viscosity,
+            "relative_density": bank.grain_density / fluid.density, "gravity": fluid.gravity,
         }  # fmt: skip
         depth = pressure / (fluid.density * fluid.gravity)
         both = shields(speed, height, grain, across=current, depth=depth, **keys)

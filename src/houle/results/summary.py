@@ -112,28 +112,35 @@ def banks(found: list[dict[str, Any]]) -> Rows:
 
 
 def _bank(b: dict[str, Any]) -> Rows:
-    def at(key: str) -> str:
-        return f"at x = {b[key]['x']:.4g} m, {b[key]['time']:.4g} s"
-
-    flow = f", {b['shields_in_section']:.3g} without the current along the bank" if b["current"] else ""
-    return [
+    found = [
         (
             f"{b['bank']}: factor of safety",
-            f"{b['safety']['value']:.3g} {at('safety')}; {b['still']:.3g} in still water; below 1 for "
-            f"{b['unstable']:.3g} s",
+            f"{_worst(b['safety'])}; {_three(b['still'])} in still water; below 1 for {b['unstable']:.3g} s",
         ),
         (
             "  exit gradient",
-            f"{b['gradient']['value']:.3g} {at('gradient')}; {b['critical']:.3g} lifts the grains; above it for "
-            f"{b['lifting']:.3g} s",
+            f"{_worst(b['gradient'])}; {b['critical']:.3g} lifts the grains; above it for {b['lifting']:.3g} s",
         ),
-        ("  excess pore pressure", f"{_pascal(b['excess']['value'])} {at('excess')}"),
-        (
-            "  Shields number",
-            f"{b['shields']['value']:.3g} {at('shields')}{flow}; grains move above {b['mobile']:.3g}, for "
-            f"{b['moving']:.3g} s",
-        ),
+        ("  excess pore pressure", _worst(b["excess"], " Pa")),
     ]
+    if b["shields"] is not None:
+        flow = f"; {b['shields_in_section']:.3g} without the current along the bank" if b["current"] else ""
+        moves = f"{b['mobile']:.3g} moves the grains; above it for {b['moving']:.3g} s{flow}"
+        found.append(("  Shields number", f"{_worst(b['shields'])}; {moves}"))
+    return found
+
+
+def _worst(entry: dict[str, Any], unit: str = "") -> str:
+    """A number with its place and time, or that there is none."""
+    value = entry["value"]
+    return "none" if value is None else f"{_three(value)}{unit} at x = {entry['x']:.4g} m, {entry['time']:.4g} s"
+
+
+def _three(value: float | None) -> str:
+    """A number in three digits at least; run.json holds none for what is infinite."""
+    if value is None:
+        return "none"
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 def reflection(entry: dict[str, Any]) -> Rows:
