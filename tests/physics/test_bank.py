@@ -82,6 +82,16 @@ def test_a_body_without_grains_has_no_shields_number(tmp_path):
     ]  # fmt: skip
 
 
+def test_a_bank_in_a_solid_and_one_of_no_grains_are_told(tmp_path):
+    case = dyke() | {"solid": [{"name": "wall", "box": [[1.2, 0.3], [1.4, 0.8]]}]}
+    found = [str(f) for f in check(load(case)) if f.key == "bank.bank-1.x"]
+    assert len(found) == 1 and "lies in solid.wall" in found[0]
+    case = dyke() | {"time": {"end": 0.04}, "output": {"every": 0.02, "series_every": 0.02}}
+    case["porous"][0]["porosity"] = 1.0
+    (bank,) = houle.run(case, tmp_path / "run", progress=False).summary["bank"]
+    assert "0 < porosity < 1" in bank["problem"] and summary.banks([bank]) == [("bank-1", bank["problem"])]
+
+
 def test_a_bank_that_faces_right_and_one_in_3d_are_seen_alike():
     flat = simulation(dyke()).sample()
     case = dyke()
@@ -101,6 +111,7 @@ def test_a_bank_that_faces_right_and_one_in_3d_are_seen_alike():
     [
         ({"x": [0.3, 1.8]}, r"bank.bank-1.x = \[0.3, 1.8\] reaches beside porous.gravel, 0.5 <= x <= 2.4 m"),
         ({"depth": 0.9}, r"bank.bank-1.depth = 0.9 m: at x = .* no longer in porous.gravel"),
+        ({"grain_density": 800.0}, r"bank.bank-1.grain_density = 800 kg/m3 floats in water of 1000 kg/m3"),
         ({"depth": 0.05}, r"bank.bank-1.depth = 0.05 m is 1.2 spacings: .* depth = 0.08 or domain.spacing = 0.025"),
     ],
 )  # fmt: skip

@@ -88,29 +88,40 @@ class Bank(Instrument):
             yield from outside(site, "x", end, 0)
         if self.y is not None:
             yield from outside(site, "y", self.y, 1)
-        face, shape, h = self.face(site), site.porous[self.body], max(site.grid.spacing)
+        face, h = self.face(site), max(site.grid.spacing)
         if np.isnan(face.slope).any():
-            low, high = (float(corner[0]) for corner in shape.bounds)
+            low, high = (float(corner[0]) for corner in site.porous[self.body].bounds)
             text = f"= {list(self.x)} reaches beside porous.{self.body}, {low:.4g} <= x <= {high:.4g} m"
             yield Remark("error", "x", text)
             return
         if face.slope.max() > STEEPEST:
             steep = np.degrees(face.slope.max())
             yield Remark("error", "x", f"= {list(self.x)} holds a face of {steep:.3g} degrees: 80 at most")
-        inside = face.off(-self.depth)
-        if (buried := shape.distance(inside) > 0).any():
-            x, z = inside[int(np.argmax(buried)), [0, -1]]
-            text = (
-                f"= {self.depth:g} m: at x = {x:.3g}, z = {z:.3g} m it is no longer in porous.{self.body}; less, or "
-                "another x"
-            )
-            yield Remark("error", "depth", text)
+        yield from self._placed(site, face)
         if self.depth < FEWEST * h * (1 - 1e-9):
             text = (
                 f"= {self.depth:g} m is {self.depth / h:.2g} spacings: the gradient through the face needs {FEWEST:g}, "
                 f"depth = {FEWEST * h:.3g} or domain.spacing = {self.depth / FEWEST:.3g}"
             )
             yield Remark("warning", "depth", text)
+
+    def _placed(self, site: Site, face: Face) -> Iterator[Remark]:
+        """The points inside lie in the body, neither they nor those outside in a solid; the grains sink."""
+        inside, over = face.off(-self.depth), face.off(self.height(site))
+        if (beside := site.porous[self.body].distance(inside) > 0).any():
+            x, z = inside[int(np.argmax(beside)), [0, -1]]
+            text = f"= {self.depth:g} m: at x = {x:.3g}, z = {z:.3g} m it is no longer in porous.{self.body}; less"
+            yield Remark("error", "depth", f"{text}, or another x")
+        for name, solid in site.solid.items():
+            if (buried := solid.distance(np.concatenate([inside, over])) < 0).any():
+                x, z = np.concatenate([inside, over])[int(np.argmax(buried)), [0, -1]]
+                text = (
+                    f"= {list(self.x)}: what is observed at x = {x:.3g}, z = {z:.3g} m lies in solid.{name}; another x"
+                )
+                yield Remark("error", "x", text)
+        if self.grain_density <= site.density:
+            text = f"= {self.grain_density:g} kg/m3 floats in water of {site.density:g} kg/m3: 2650 is usual"
+            yield Remark("error", "grain_density", text)
 
 
 class Banks(Observer[Bank]):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.analysis import Layer, along_layer, critical_gradient, excess_pore_pressure, shields
+from houle.analysis import AnalysisError, Layer, along_layer, critical_gradient, excess_pore_pressure, shields
 from houle.case.build import site_of
 from houle.observe.bank import Bank, Face
 from houle.output import series_table
@@ -85,7 +85,10 @@ class Stability:
 
 
 def record(run: Run) -> dict[str, Any]:
-    """The entry "bank" of run.json, a list in the order of the tables; {} without any, or without a second row."""
+    """The entry "bank" of run.json, a list in the order of the tables; {} without any, or without a second row.
+
+    A bank that no answer can be given about has the entry "problem".
+    """
     series = series_table(run.directory)
     if "bank_speed" not in series or series.sizes["time"] < 2:
         return {}
@@ -97,7 +100,11 @@ def record(run: Run) -> dict[str, Any]:
     found = []
     for table in run.case.bank:
         mine = names == table.name
-        found.append(asdict(stability(run.case, table.name, Seen(time, face[mine], inside[mine], speed[mine]))))
+        try:
+            answers = stability(run.case, table.name, Seen(time, face[mine], inside[mine], speed[mine]))
+            found.append(asdict(answers))
+        except AnalysisError as error:
+            found.append({"bank": table.name, "problem": str(error)})
     return {"bank": found}
 
 

@@ -112,6 +112,8 @@ def banks(found: list[dict[str, Any]]) -> Rows:
 
 
 def _bank(b: dict[str, Any]) -> Rows:
+    if "problem" in b:
+        return [(b["bank"], b["problem"])]
     found = [
         (
             f"{b['bank']}: factor of safety",
