@@ -36,8 +36,7 @@
 // I(kernel, function): the same for each transfer kernel, or kernel of smoothed particles.
 #define HOULE_TRANSFER(I, K) I(K, to_faces) I(K, add_residual) I(K, to_particles) I(K, affine_from)
 #define HOULE_WIDE(I)                                                                                       \
-  HOULE_TRANSFER(I, QuadraticKernel) HOULE_TRANSFER(I, M4PrimeKernel) HOULE_TRANSFER(I, GaussianKernel)     \
-  HOULE_TRANSFER(I, GaussianTaylorKernel) HOULE_TRANSFER(I, GaussianCellKernel)
+  HOULE_TRANSFER(I, QuadraticKernel) HOULE_TRANSFER(I, M4PrimeKernel) HOULE_TRANSFER(I, GaussianKernel)
 #define HOULE_OF_SPH(I, K) I(K, density_sum) I(K, sph_viscous_acceleration) I(K, velocity_gradient)
 #define HOULE_SPH(I) HOULE_OF_SPH(I, WendlandC2) HOULE_OF_SPH(I, TruncatedGaussian)
 // clang-format on

@@ -34,7 +34,7 @@ inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
   const auto own = [&](const Beside<D>& beside) {
     beside.each([&](int a, index f, double w, double, const auto&) { visit(a, f, w); });
   };
-  if (!beside_interface<LinearKernel, D>(g, stride, media, st, x, 0.0, own))
+  if (!beside_interface<LinearKernel, D>(g, stride, media, st, x, {}, own))
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
 }
 

@@ -95,14 +95,14 @@ inline std::array<double, D> point(const double* x) {
 template <int D>
 class Beside {
  public:
-  // Fills the lists: the particle at x, whose edge is `side` [m], sees faces by the kernel K; at: the interface nearest
-  // to it. Returns whether it sees fewer faces than there are around it.
+  // Fills the lists: the particle at x, of that edge [m], sees faces by the kernel K; at: the interface nearest to it.
+  // Returns whether it sees fewer faces than there are around it.
   template <class K>
   HOULE_NOINLINE bool look(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
-                           const Interfaces<D>& media, const Interface<D>& at, const double* x, double side) {
+                           const Interfaces<D>& media, const Interface<D>& at, const double* x, Edge edge) {
     static_assert(K::width <= widest);
     Stencil<K, D> stencil;
-    stencil.set(g, x, side);
+    stencil.set(g, x, edge);
     const double own_side = at.side(x);
     double total[D];
     bool cut = false;
@@ -148,7 +148,7 @@ class Beside {
   }
 
  private:
-  static constexpr int widest = GaussianBase::width;
+  static constexpr int widest = GaussianKernel::width;
   struct Face {
     index face;
     double weight, sign;
@@ -178,9 +178,9 @@ class Beside {
 template <class K, int D, class Body>
 HOULE_NOINLINE inline bool see_less(const Grid<D> g, const std::array<std::array<index, D>, D> stride,
                                     const Interfaces<D> media, const Interface<D>* at, const std::array<double, D> x,
-                                    double side, const Body body) {
+                                    Edge edge, const Body body) {
   Beside<D> beside;
-  const bool less = beside.template look<K>(g, stride, media, *at, x.data(), side);
+  const bool less = beside.template look<K>(g, stride, media, *at, x.data(), edge);
   if (less) body(beside);
   return less;
 }
@@ -189,10 +189,10 @@ HOULE_NOINLINE inline bool see_less(const Grid<D> g, const std::array<std::array
 template <class K, int D, class Body>
 [[gnu::always_inline]] inline bool beside_interface(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
                                                     const Interfaces<D>& media, const Stencil<K, D>& st,
-                                                    const double* x, double side, const Body& body) {
+                                                    const double* x, Edge edge, const Body& body) {
   if (!media.number) return false;
   const Interface<D>* at = media.template near<K>(cell_of(g, st, x));
-  return at && see_less<K, D>(g, stride, media, at, point<D>(x), side, body);
+  return at && see_less<K, D>(g, stride, media, at, point<D>(x), edge, body);
 }
 
 }  // namespace houle

@@ -161,8 +161,9 @@ void gather_cells(const Grid<D>& g, index n, const double* x, const double* fiel
   });
 }
 
-// The particles as a transfer knows them: positions (n, D) [m], edge length `side` (n,) [m] for the Gaussians (may be
-// null for other kernels), mass (n,), the weight of the momentum, V/n; start (cells + 1,) as cell_sort gives it.
+// The particles as a transfer knows them: positions (n, D) [m], edge length `side` (n,) [m] for the Gaussian (null:
+// they are points), mass (n,), the weight of the momentum, V/n; start (cells + 1,) as cell_sort gives it. exact: how
+// the Gaussian is integrated over a particle.
 template <int D>
 struct Cloud {
   index n;
@@ -171,7 +172,8 @@ struct Cloud {
   const double* mass;
   const std::int32_t* start;
   Interfaces<D> media;
-  double edge(index p) const { return side ? side[p] : 0.0; }
+  bool exact = false;
+  Edge edge(index p) const { return {side ? side[p] : 0.0, exact}; }
 };
 
 // What a particle beside an interface does, in place of the loops below: to_faces(), add_residual(), to_particles() and
