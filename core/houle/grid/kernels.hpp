@@ -85,7 +85,8 @@ struct GaussianKernel {
   static constexpr double widest = 1.0 / 3.0;  // moment up to which 1 + sum_a q_a >= 0 on three axes
   static index first(double s) { return floor_index(s) - 2; }
   static void weights(double s, index i0, Edge edge, double* w, double* q) {
-    if (edge.exact) return integrals(s, i0, edge.length, w, q);
+    if (edge.exact) [[unlikely]]
+      return integrals(s, i0, edge.length, w, q);
     const double moment = std::min(edge.length * edge.length / 24.0 / (sigma * sigma), widest);  // (1/2) M20 / M00
     for (int k = 0; k < width; ++k) {
       const double r = (s - static_cast<double>(i0 + k)) / sigma;
