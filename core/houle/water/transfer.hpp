@@ -176,8 +176,8 @@ struct Cloud {
   Edge edge(index p) const { return {side ? side[p] : 0.0, exact}; }
 };
 
-// What a particle beside an interface does, in place of the loops below: to_faces(), add_residual(), to_particles() and
-// affine_from(). The same for all kernels.
+// For a particle beside an interface the functions below take the place of the loops of to_faces(), add_residual(),
+// to_particles() and affine_from(): the same for all kernels.
 
 // The centre (D, D) of the faces of each axis, as a particle beside an interface sees them, from the particle [m].
 template <int D>
