@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         separate_xt,
         zelt_skjelbreia,
     )
+    from houle.analysis.slope import Layer, along_layer, excess_pore_pressure
     from houle.analysis.theory import Scatter, long_wave, porous_block, porous_block_lorentz
     from houle.analysis.waves import Spectrum, Waves, find_omega, harmonics, spectrum, zero_crossing
     from houle.analysis.window import Window, choose_window
@@ -46,6 +47,7 @@ __all__ = [
     "Gauges",
     "Impact",
     "Jh2020",
+    "Layer",
     "Overtopping",
     "QualityCard",
     "Reflection",
@@ -55,10 +57,12 @@ __all__ = [
     "Spectrum",
     "Waves",
     "Window",
+    "along_layer",
     "as_gauges",
     "celerity",
     "choose_window",
     "critical_gradient",
+    "excess_pore_pressure",
     "exit_gradient",
     "find_omega",
     "fit_wave_number",
@@ -131,6 +135,11 @@ _MODULES = {
         "mansard_funke",
         "separate_xt",
         "zelt_skjelbreia",
+    ),
+    "slope": (
+        "Layer",
+        "along_layer",
+        "excess_pore_pressure",
     ),
     "theory": (
         "Scatter",

@@ -104,7 +104,7 @@ def _boundaries(case: Case, wave: Wave | None) -> tuple[Make, ...]:
         wave=wave,
         ramp=waves.ramp_time() if waves is not None else 0.0,
         zone=waves.zone.x if waves is not None and waves.zone is not None else None,
-        lets_long=waves is not None and waves.kind in ("series", "solitary"),
+        lets_long=waves is not None and waves.kind in ("series", "solitary", "ship"),
         open_left=any(side.side == "left" for side in case.open),
     )
     found = [(BOUNDARIES[key], table.keys(case.folder)) for key, table in case.standing]

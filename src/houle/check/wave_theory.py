@@ -25,6 +25,7 @@ CELLS_PER_LENGTH = (20.0, 50.0)  # cells in a wavelength: fewer are refused; few
 CELLS_PER_HEIGHT = 0.2  # least without a warning: with it C_R, C_T of 36 blocks were within 0.02, heights within 0.5 %
 MATTERS = 0.02  # share of the first harmonic: smaller harmonics do not matter
 BENT = 0.03  # second harmonic over wave height from which on an airy wave is warned of
+SPECTRA = ("jonswap", "pierson-moskowitz", "tma", "focused")  # kinds of waves that a spectrum gives
 SECOND = 0.25  # bound second harmonic over the first from which on a sum of waves of second order is warned of
 NEAR = 0.8  # share of the breaking limit from which on a wave is warned of
 
@@ -35,12 +36,13 @@ def assess(wave: Wave, spacing: float) -> list[Told]:
 
 
 def bound(wave: Wave) -> str:
-    """The bound waves of a sum of linear waves, and what first order makes of them, in words; "" for other waves."""
-    if not isinstance(wave, Linear) or len(wave.parts.moving.k) == 1:
+    """The bound waves of a sea or a group, and what first order makes of them, in words; "" for other waves.
+
+    Records are told of at second order only: of many the linear waves are not known without it, nor a peak.
+    """
+    if not isinstance(wave, Linear) or not (wave.name in SPECTRA or isinstance(wave, SecondOrder)):
         return ""
     second = wave if isinstance(wave, SecondOrder) else SecondOrder.of_linear(wave, closed=True)
-    if len(second.pairs.k) == 0:
-        return ""
     sums, differences = second.sizes
     height = 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude**2) / 2))
     told = (
@@ -165,7 +167,8 @@ def _second_order(wave: SecondOrder) -> list[Told]:
     The bound harmonic of a wave of height Hm0 and the peak period is compared, k H (3 - s^2)/(8 s^3) with s = tanh k d:
     from a quarter of the wave on its troughs have a crest of their own.
     """
-    omega = np.array([dispersion.frequency(wave.k, wave.depth, wave.gravity)])
+    omega = np.array([wave.peak])
+    k = float(dispersion.wave_number(wave.peak, wave.depth, wave.gravity))
     height = _crest_to_trough(wave)
     level = float(Kernel.of(omega, omega, wave.depth, wave.gravity, 1).level[0]) * height / 2
     if level <= SECOND:
@@ -173,7 +176,7 @@ def _second_order(wave: SecondOrder) -> list[Told]:
     return [
         (
             "warning",
-            f"waves: kh = {wave.k * wave.depth:.3g}, Ursell number {ursell(height, wave.length, wave.depth):.3g}: the "
+            f"waves: kh = {k * wave.depth:.3g}, Ursell number {ursell(height, 2 * pi / k, wave.depth):.3g}: the "
             f"bound second harmonic of a wave of {height:.3g} m is {level:.0%} of it, above {SECOND:.0%}, where second "
             f"order ends: its troughs have crests; heights below {height * SECOND / level:.2g} m, or make the waves in "
             "deeper water",

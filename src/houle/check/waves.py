@@ -39,7 +39,7 @@ SAME = 1e-3  # depths that differ by no more are the same: [m], or as a share of
 TOLD = 0.35  # share of the rms of a record that a source may leave out without a warning (`left_out`)
 OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
-RECORDED = ("series", "paddle")  # waves with no one length
+RECORDED = ("series", "paddle", "ship")  # waves with no one length
 COARSE = 0.02  # share of the stroke by which lines between samples of a paddle may miss the curve: 11 a period
 MOVES = 0.05  # share of its largest speed up to which a paddle counts as at rest
 SHARP = 0.5  # g: more than a laboratory's paddle is accelerated by
@@ -79,7 +79,7 @@ def waves_fit(s: CrossSection) -> Iterator[Finding]:
 
 def _told(level: Literal["error", "warning"], message: str) -> Finding:
     """A message as a finding; if it begins with a key, such as waves.height, this is the key of the finding."""
-    named = re.match(r"(waves[.\w]*)(.+)", message, re.DOTALL)
+    named = re.match(r"((?:waves|ship)[.\w]*)(.+)", message, re.DOTALL)
     return Finding(level, named[1], named[2].removeprefix(" ")) if named else Finding(level, "waves", f": {message}")
 
 
@@ -119,11 +119,14 @@ def _motion(s: CrossSection, motion: RecordedMotion) -> Iterator[Finding]:
         yield Finding("info", "waves.file", text)
     start = max(0.0, float(known.time[0]))
     if start < case.time.end and (speed := abs(float(motion.velocity(start)))) > MOVES * motion.fastest:
-        text = f"{name}: the wall starts at {speed:.3g} m/s at once; start where the record is at rest, or give ramp"
+        text = (
+            f"= {table.start:g} s: the wall starts at {speed:.3g} m/s at once; start where the record is at rest, or "
+        )
+        text += "give ramp"
         yield Finding("warning", "waves.start", text)
     if (off := motion.coarse) > COARSE:
         text = (
-            f"{name} has a sample every {known.step:.3g} s: the curve through them lies {off:.1%} of its range off "
+            f"{name} has {motion.samples}: the curve through them lies {off:.1%} of its range off "
             f"straight lines, so it is a guess; {COARSE:.0%} come of some eleven samples to a period"
         )
         yield Finding("warning", "waves.file", text)

@@ -119,6 +119,11 @@ class SecondOrder(Linear):
         highest = min(PAIRED[1] * middle, float(np.sqrt(2 * wave.gravity / height)))
         return cls(**given, closed=closed, step=step, band=(PAIRED[0] * middle, highest))
 
+    @property
+    def peak(self) -> float:
+        """Peak frequency [rad/s]; that of a record is not the frequency of its largest component."""
+        return self.band[0] / PAIRED[0]
+
     @cached_property
     def pairs(self) -> Components:
         """The components that have waves bound to them."""
@@ -268,7 +273,7 @@ class SecondOrder(Linear):
             np.fft.rfft(bound),
             np.asarray(2 * np.pi / (count * step) * np.arange(count // 2 + 1), dtype=float),
         )
-        return np.asarray(np.fft.irfft(lines * steady(omega, self.band[0] / PAIRED[0]), count))
+        return np.asarray(np.fft.irfft(lines * steady(omega, self.peak), count))
 
     def elevation(self, x: ArrayLike, t: ArrayLike) -> Array:
         return super().elevation(x, t) + self.bound(x, t)

@@ -21,7 +21,7 @@ import numpy as np
 
 from houle.waves.pairs import Complex, Nodes
 from houle.waves.piston import LAYERS, Motion, Reading, linear_motion, modes, overlap, response
-from houle.waves.second_order import PAIRED, SLOWEST, SecondOrder, steady
+from houle.waves.second_order import SLOWEST, SecondOrder, steady
 from houle.waves.wave import Array, WaveError, ramp
 
 PAIR_NODES = 24  # frequencies between which the transfer functions are interpolated
@@ -188,7 +188,7 @@ def pair_motion(wave: SecondOrder, rest: float, read: Reading, duration: float, 
     if not wave.closed:
         return found
     mean, level = (float(np.sum((phasors @ kernel) * phasors.conj()).real) for kernel in (differences, seen_slow))
-    peak = wave.band[0] / PAIRED[0]
+    peak = wave.peak
     found = replace(found, mean=(mean, level))
     slow, held = _of_record(found, wave.step, peak) if wave.step else _wandering(omega, phasors, differences, peak)
     return replace(found, slow=slow, held=held)

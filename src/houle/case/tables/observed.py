@@ -1,4 +1,5 @@
-"""The observables of a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]].
+"""The observables of a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]]
+[[bank]].
 
 `Observed` lists the tables. An observer in `houle.observe` names the table that asks for it, and its instruments have
 the same keys. `disagreements` of a table checks it against the rest of the case file; the instrument itself checks the
@@ -135,6 +136,35 @@ class Flux(Row):
     between: Point2 | None = Field(default=None, description="two levels, floor and lid when left out [m]")
 
 
+class Bank(Row):
+    """[[bank]]: heads and velocities along the face of a porous bank, and from them whether it holds."""
+
+    prefix = "bank-"
+
+    name: Name = Field(default="", description="name in the results; bank-1, bank-2, ... when left out")
+    body: str = Field(description="name of a [[porous]]")
+    x: Point2 = Field(description="stretch of its face, from, to [m]")
+    points: int = Field(default=8, ge=2, le=1000, description="number of places along the stretch")
+    depth: float = Field(
+        gt=0, le=100, description="depth below the face, along its normal, of the plane on which it might slide [m]"
+    )
+    above: float | None = Field(
+        default=None,
+        gt=0,
+        le=100,
+        description="height over the face at which the water is observed; one and a half spacings when left out [m]",
+    )
+    friction_angle: float = Field(gt=0, lt=90, description="angle of internal friction of the grains [degrees]")
+    grain_density: float = Field(default=2650.0, gt=0, le=2e4, description="density of the grains [kg/m3]")
+    y: float | None = Field(default=None, description="position, 3D only [m]")
+
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        yield from _in_3d_only(self.y, dimension)
+        yield from _named(self.body, bodies, "porous")
+        if self.x[0] >= self.x[1]:
+            yield "x", f"= [{self.x[0]:g}, {self.x[1]:g}]: the smaller x first"
+
+
 class Observed(Table):
     """The tables of observables of a case, in the order in which they are sampled."""
 
@@ -145,6 +175,7 @@ class Observed(Table):
     force: Annotated[tuple[Force, ...], Field(strict=False, description="forces on structures")] = ()
     phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
     flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
+    bank: Annotated[tuple[Bank, ...], Field(strict=False, description="stability of the faces of banks")] = ()
 
     @classmethod
     def observed(cls) -> dict[str, type[Row]]:

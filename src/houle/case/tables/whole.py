@@ -73,6 +73,12 @@ def disagreements(case: Tables) -> list[str]:
         )
     if case.waves is not None and case.waves.direction and d == 2:
         found.append(f"waves.direction = {case.waves.direction:g} degrees in 2D, where waves go along x: remove it")
+    if (case.ship is not None) != (case.waves is not None and case.waves.kind == "ship"):
+        found.append(
+            'waves.kind = "ship" needs the table [ship]: length, beam, draught, speed, distance, ...'
+            if case.ship is None
+            else 'ship: [waves] with kind = "ship", depth and zone = {x = [0, to]} makes its waves; or remove [ship]'
+        )
     for i, water in enumerate(case.water):
         if water.velocity is not None and len(water.velocity) != d:
             found.append(f"water[{i}].velocity has {len(water.velocity)} numbers, domain.size has {d}: give {d}")
