@@ -6,7 +6,12 @@ from math import pi
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
+from houle.case.tables.waves import Waves
+from houle.case.wave import make
+from houle.check.wave_theory import assess
+from houle.check.wave_theory import bound as told
 from houle.waves.dispersion import frequency, group_velocity, wave_number
 from houle.waves.linear import Linear
 from houle.waves.record import series
@@ -190,3 +195,48 @@ def test_a_record_of_long_waves_is_refused_at_second_order():
     eta = 0.15 * np.exp(-(((t - 100.0) / 20.0) ** 2)) * np.cos(2 * pi * t / 12.0)
     with pytest.raises(WaveError, match=r"waves\.order = 2: the bound waves of this record"):
         series(t, eta, DEPTH, GRAVITY, order=2)
+
+
+def test_check_tells_what_first_order_costs_and_where_second_order_ends():
+    sea = irregular("jonswap", 0.1, 1.6, 0.4, GRAVITY)
+    assert "order = 1 makes free waves as high" in told(sea)
+    second = SecondOrder.of_linear(sea, True)
+    assert "19.0%" in told(second) and told(second).endswith("made with the waves")
+    assert told(regular("airy", 0.01, 1.2, DEPTH)) == ""
+    assert not [text for _, text in assess(second, 0.01) if "second order ends" in text]
+    shallow = SecondOrder.of_linear(irregular("jonswap", 0.05, 3.0, 0.2, GRAVITY), True)
+    ends = [text for level, text in assess(shallow, 0.01) if level == "warning" and "second order ends" in text]
+    assert len(ends) == 1 and "kh = 0.304" in ends[0]
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"kind": "regular"}, 'order does not belong to kind = "regular"'),
+        ({"direction": 20.0, "source": {"x": 2.0}}, "order = 2: waves along x only"),
+        ({"source": {"x": 2.0, "form": "linear"}}, r'order = 2: source\.form = "linear" makes linear waves'),
+        ({"order": 3}, "1 or 2"),
+    ],
+)
+def test_a_case_that_cannot_be_of_second_order_is_refused(more, words):
+    table = {"kind": "jonswap", "height": 0.03, "period": 1.2, "depth": DEPTH, "order": 2}
+    if "source" not in more:
+        table["zone"] = {"x": [0.0, 4.0]}
+    with pytest.raises(ValidationError, match=words):
+        Waves.model_validate(table | more)
+
+
+def test_the_kinds_of_a_case_take_their_order():
+    table = {
+        "height": 0.03,
+        "period": 1.2,
+        "depth": DEPTH,
+        "zone": {"x": [0.0, 4.0]},
+        "focus": {"x": 6.0, "time": 20.0},
+    }
+    for kind in ("jonswap", "tma", "pierson-moskowitz", "focused"):
+        given = {k: v for k, v in table.items() if k != "focus" or kind == "focused"}
+        first, second = (make(Waves.model_validate(given | {"kind": kind, "order": order})) for order in (1, 2))
+        assert type(first) is Linear and isinstance(second, SecondOrder)
+        assert second.closed == (kind != "focused")
+        assert first.components().phase.tobytes() == second.components().phase.tobytes()  # the same sea
