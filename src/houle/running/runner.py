@@ -172,6 +172,7 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """Makes the pictures, the score, the analyses and run.json of a run that has been marched; returns it."""
     from houle.output import write_manifest
     from houle.results import impacts, laboratory, reflection, summary, wave_energy, wave_quality
+    from houle.results.answers import record as answers
 
     run = Run(session.directory)
     with session.clock.stage("pictures"):
@@ -179,6 +180,8 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     more = laboratory.record(run)
     if at_end:
         more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
+        with session.clock.stage("answers"):
+            more |= answers.record(run, more)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     if "reflection" in more:
         with session.clock.stage("wave quality"):
