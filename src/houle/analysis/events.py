@@ -12,6 +12,7 @@ or at the lowest sample between it and its neighbour.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -129,7 +130,7 @@ def _feet(above: Real, tops: Index) -> Index:
     """
     feet = np.empty((len(tops), 2), dtype=np.intp)
     low, high = 0, len(above) - 1
-    walls = [low, *(int(a + np.argmin(above[a:b])) for a, b in zip(tops[:-1], tops[1:], strict=True)), high]
+    walls = [low, *(int(a + np.argmin(above[a:b])) for a, b in itertools.pairwise(tops)), high]
     for n, top in enumerate(tops):
         dry = np.flatnonzero(above[walls[n] : top] <= 0.0)
         feet[n, 0] = walls[n] + dry[-1] if len(dry) else walls[n]
@@ -170,17 +171,19 @@ def per_wave(times: ArrayLike, values: ArrayLike, start: float, end: float, wave
 def mean_interval(values: Real, *, confidence: float = 0.90, seed: int = 0) -> tuple[float, float]:
     """Interval of the mean of values (N,), one for each wave, that are zero in most waves and never negative.
 
-    The standard error is that of the stationary block bootstrap. The mean is multiplied and divided by exp(t error/mean)
-    with Student's t for the number of values that are not zero: percentiles of a bootstrap, the usual choice, miss the
-    largest waves that did not come, and hold the truth 82 times in 100 instead of 90 with eight overtopping waves. NaN
-    for fewer than three that are not zero.
+    The standard error is that of the stationary block bootstrap. The mean is multiplied and divided by
+    exp(t error/mean), with Student's t for the number of values that are not zero: percentiles of a bootstrap, the
+    usual choice, miss the largest waves that did not come, and hold the truth 82 times in 100 instead of 90 with eight
+    overtopping waves. NaN for fewer than three that are not zero.
     """
     from scipy.special import stdtrit
 
     count, mean = int(np.count_nonzero(values)), float(np.mean(values))
     if count < 3 or len(values) < 4:
         return float("nan"), float("nan")
-    error = float(np.std(resampled(values, lambda rows: rows.mean(axis=1), seed))) * np.sqrt(len(values) / (len(values) - 1))
+    error = float(np.std(resampled(values, lambda rows: rows.mean(axis=1), seed))) * np.sqrt(
+        len(values) / (len(values) - 1)
+    )
     factor = float(np.exp(stdtrit(count - 1, 0.5 + confidence / 2) * error / mean))
     return mean / factor, mean * factor
 

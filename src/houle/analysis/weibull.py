@@ -21,7 +21,7 @@ FEWEST = 5  # values that tell a shape at all
 SHAPES = (0.05, 50.0)  # range in which the shape is looked for
 DRAWS = 400_000  # random numbers of an interval, at most
 REPEATS = 2000  # samples of an interval, at most
-HALVINGS = 36  # of the range of ln(shape): to 1e-10
+HALVINGS = 36  # halvings of the range of ln(shape), to 1e-10
 
 
 @dataclass(frozen=True)

@@ -165,9 +165,12 @@ def asked_for(case: Case, key: str, site: Site) -> Instruments:
     Other keys are for what is made of the results.
     """
     observer = asked_by_tables()[key]
-    known = {field.name for field in fields(observer.instrument)}
-    rows = ({name: getattr(row, name) for name in type(row).model_fields if name in known} for row in getattr(case, key))
-    return Instruments(observer, tuple(observer.instrument(**row) for row in rows), site)
+    kind: Any = observer.instrument
+    known = {field.name for field in fields(kind)}
+    rows = (
+        {name: getattr(row, name) for name in type(row).model_fields if name in known} for row in getattr(case, key)
+    )
+    return Instruments(observer, tuple(kind(**row) for row in rows), site)
 
 
 def _always(case: Case, site: Site) -> Iterator[Instruments]:

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
-CONFIDENCE = 0.90  # of the intervals, as of all answers of a run
+CONFIDENCE = 0.90  # share that the intervals hold, as all answers of a run
 NEAR = 1e-6  # two places nearer to each other than this are the same [m]
 
 

@@ -186,8 +186,10 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         ("Energy [J] (per metre of width in 2D)", energy(summary)),
         waves(summary),
         (f"Surface, rms against {label}", against_laboratory(summary)),
-        (f"Answers (in brackets: intervals of {100 * answers.CONFIDENCE:g} %, of formulas their own band)",
-         answers.lines(summary.get("answers") or {})),
+        (
+            f"Answers (in brackets: intervals of {100 * answers.CONFIDENCE:g} %, of formulas their own band)",
+            answers.lines(summary.get("answers") or {}),
+        ),
         ("Largest pressure at the sensors", pressures(summary.get("pressure", []))),
         ("Reflection", reflection(found) if (found := summary.get("reflection")) else []),
         (

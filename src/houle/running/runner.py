@@ -172,7 +172,6 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """Makes the pictures, the score, the analyses and run.json of a run that has been marched; returns it."""
     from houle.output import write_manifest
     from houle.results import impacts, laboratory, reflection, summary, wave_energy, wave_quality
-    from houle.results.answers import record as answers
 
     run = Run(session.directory)
     with session.clock.stage("pictures"):
@@ -181,7 +180,7 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     if at_end:
         more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
         with session.clock.stage("answers"):
-            more |= answers.record(run, more)
+            more |= _answers(run, session, more)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     if "reflection" in more:
         with session.clock.stage("wave quality"):
@@ -195,6 +194,19 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
         time = session.simulation.time
         session.says.say(f"houle: stopped at t = {time:g} s; go on with: houle resume {run.directory}")
     return run
+
+
+def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]:
+    """Writes the answers of a run, and returns their entry of run.json. A picture that fails does not fail the run."""
+    from houle.results.answers import record
+
+    rows = record.answers(run, more)
+    found = record.record(run, rows)
+    try:
+        record.draw(run, rows)
+    except Exception as error:
+        session.says.say(f"warning: no {record.PICTURE} ({type(error).__name__}: {error})")
+    return found
 
 
 def draw(run: Run, session: Session) -> None:

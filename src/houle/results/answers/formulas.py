@@ -20,7 +20,7 @@ from houle.results.answers.structure import Outline, Sea
 from houle.results.answers.table import Beside
 
 COUNT = 5  # laboratory tests beside an answer
-RULES = ("eurotop-2018", "taw-2002")  # of the roughness of mounds in long waves
+RULES = ("eurotop-2018", "taw-2002")  # rules for the roughness of mounds in long waves
 
 
 def beside(found: Published, name: str = "") -> Beside:
@@ -45,7 +45,11 @@ def mean_overtopping(sea: Sea, outline: Outline) -> tuple[Beside, ...]:
         return (beside(overtopping_wall(**waves)),)
     if outline.kind == "slope":
         return (beside(overtopping_slope(**waves, **slope)),)
-    mound = {"roughness": roughness(outline), "permeable": outline.permeable, "crest_width": outline.crest_width}
+    mound: dict[str, Any] = {
+        "roughness": roughness(outline),
+        "permeable": outline.permeable,
+        "crest_width": outline.crest_width,
+    }
     return tuple(
         beside(found, f"{found.formula}, gamma_f by {rule}")
         for rule in RULES
@@ -62,9 +66,7 @@ def laboratory_tests(sea: Sea, outline: Outline) -> Beside:
     if outline.kind == "mound":
         more |= {"roughness": roughness(outline), "crest_width": outline.crest_width}
         more["armour_crest"] = outline.armour_crest
-    found: NearestTests = nearest_tests(
-        kind=outline.kind, freeboard=outline.freeboard, count=COUNT, **waves, **more
-    )
+    found: NearestTests = nearest_tests(kind=outline.kind, freeboard=outline.freeboard, count=COUNT, **waves, **more)
     rows = tuple(f"row {n.test.row} of CLASH: q {n.q:.3g}, distance {n.distance:.2f}" for n in found.tests)
     return Beside("CLASH", found.q, found.low, found.high, (*rows, *found.outside), tuple(n.q for n in found.tests))
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.analysis.errors import AnalysisError
 from houle.design.errors import DesignError
@@ -47,7 +48,7 @@ class Given:
         variable = self.series[name]
         return np.moveaxis(variable.values[row], variable.dims.index(TIME) - 1, 0)
 
-    def late(self, x: float) -> FloatArray:
+    def late(self, x: float) -> NDArray[np.intp]:
         """Numbers of the rows of the series from the arrival of the waves at x [m] on; all without waves.
 
         Raises AnalysisError where fewer than three waves have come.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import inf, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import shapely
@@ -40,7 +40,8 @@ class OutlineError(CaseError):
 class Profile:
     """The ground seen from above along distances seaward of the crest (N,) [m]: its top and that of the solids alone.
 
-    Heights are above still water. direction: +1 where the waves travel to larger x; x: of the crest; level: of still water above z = 0.
+    Heights are above still water. direction: +1 where the waves travel to larger x; x: of the crest;
+    level: of still water above z = 0.
     """
 
     away: FloatArray
@@ -120,7 +121,7 @@ def _profile(section: CrossSection, sea: Sea, x: float) -> Profile:
     count = int(abs(x - sea.maker) / step)
     if count < 2:
         raise OutlineError(f"x = {x:g} m lies at the maker of the waves")
-    away = np.arange(count) * step
+    away = np.asarray(np.arange(count) * step, dtype=float)
     layer = section.layers[len(section.layers) // 2]
     solid = section.area(section.solid, layer)
     ground = shapely.union_all([solid, section.area(section.porous, layer)])
@@ -152,7 +153,7 @@ def _armour(profile: Profile, end: int, crest: float, slack: float) -> tuple[flo
     if not porous.any():
         return crest, 0.0
     walls = np.flatnonzero(~porous)
-    first = int(walls[-1]) + 1 if len(walls) else 0  # of the armour in front of the most seaward wall
+    first = int(walls[-1]) + 1 if len(walls) else 0  # the armour in front of the most seaward wall begins here
     if first >= end:
         return crest, 0.0
     level = float(profile.top[first:end].max())
@@ -184,7 +185,7 @@ def _solid_behind(profile: Profile, face: float, below: float, section: CrossSec
     return bool(shapely.intersection(line, section.area(section.solid, layer)).length > profile.step)
 
 
-def _wall(profile: Profile, face: float, depth: float, section: CrossSection) -> dict[str, float]:
+def _wall(profile: Profile, face: float, depth: float, section: CrossSection) -> dict[str, Any]:
     """Berm and foot of a wall: depth above the berm in front, width of the berm, lower edge of the wall."""
     front = int(np.ceil(face / profile.step)) + 1
     before = float(profile.top[min(front, len(profile.top) - 1)])

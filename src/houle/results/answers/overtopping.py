@@ -94,7 +94,9 @@ class Crest:
             return row
         if row.tests is not None and (far := [w for w in row.tests.words if not w.startswith("row ")]):
             row = row.noted(f"tests: {', '.join(far)}")
-        armour = f"gamma_f {formulas.roughness(self.outline):g}, two layers of rock" if self.outline.kind == "mound" else ""
+        armour = (
+            f"gamma_f {formulas.roughness(self.outline):g}, two layers of rock" if self.outline.kind == "mound" else ""
+        )
         return row.noted(f"section: {self.outline.words}", armour, f"sea: {self.sea.words}")
 
     def _share(self, name: str, slots: FloatArray, when: str) -> Answer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,24 +11,18 @@ import numpy as np
 from houle.analysis.events import events
 from houle.errors import CaseError
 from houle.results.answers.given import Given, Question
-from houle.results.answers.table import Answer
+from houle.results.answers.table import BOUND, BRIEF, WINDOW, Answer
 
 if TYPE_CHECKING:
     from houle.case.tables.observed import Sensor
 
-WINDOW = 10.0  # mean periods over which the level at rest is taken
 TENTH = 0.1  # part of the waves whose pressures are averaged
-BRIEF = 0.05  # mean periods: a pressure that rises in less is an impact
-BOUND = (
-    "an impact: a code without air stops water in a step, so its peak is an upper bound that depends on the spacing; "
-    "the impulse does not"
-)
 
 
 def questions(given: Given) -> Iterator[Question]:
     """One question for each sensor, if there are waves."""
     for row, table in enumerate(given.case.sensor if given.sea is not None else ()):
-        yield f"pressure {table.name}", lambda row=row, table=table: _rows(given, row, table)
+        yield f"pressure {table.name}", partial(_rows, given, row, table)
 
 
 def _rows(given: Given, row: int, table: Sensor) -> Iterator[Answer]:

@@ -19,12 +19,8 @@ TABLE = "answers.csv"
 PICTURE = "answers.png"
 
 
-def record(run: Run, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Writes answers.csv and answers.png; the entry "answers" of run.json, {} where the case asks nothing.
-
-    summary: the other entries, of which that of [reflection] is read.
-    """
-    rows = answers(run, summary)
+def record(run: Run, rows: list[Answer]) -> dict[str, Any]:
+    """Writes answers.csv; the entry "answers" of run.json, {} where the case asks nothing."""
     if not rows:
         return {}
     found = entry(rows)
@@ -32,15 +28,18 @@ def record(run: Run, summary: Mapping[str, Any]) -> dict[str, Any]:
     return {"answers": found}
 
 
-def draw(run: Run, summary: Mapping[str, Any]) -> None:
+def draw(run: Run, rows: list[Answer]) -> None:
     """Draws answers.png, if there is anything in it to be drawn."""
     from houle.results.answers.picture import write
 
-    write(run.directory / PICTURE, run.case.title, answers(run, summary))
+    write(run.directory / PICTURE, run.case.title, rows)
 
 
 def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
-    """The rows of a run. A question without an answer is a row that says why."""
+    """The rows of a run; summary: its other entries, of which that of [reflection] is read.
+
+    A question without an answer is a row that says why.
+    """
     case = run.case
     if not (case.overtopping or case.runup or case.force or case.reflection or (case.sensor and case.waves)):
         return []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
     from houle.results.answers.structure import Sea
 
 LEAST = 0.05  # wave heights by which a run-up rises above the mean level of the edge, or it is none
-PART = 0.02  # of the waves exceed R_2%
+PART = 0.02  # share of the waves that exceed R_2%
 
 
 def questions(given: Given) -> Iterator[Question]:
     """One question for each [[runup]]."""
     for row, table in enumerate(given.case.runup):
-        yield f"run-up {table.name}", lambda row=row, table=table: _rows(given, row, table)
+        yield f"run-up {table.name}", partial(_rows, given, row, table)
 
 
 def _rows(given: Given, row: int, table: observed.RunUp) -> Iterator[Answer]:

@@ -1,4 +1,4 @@
-"""The sea of a case, in the numbers that published formulas take: known before the run, or read off a gauge after it."""
+"""The sea of a case, in the numbers that published formulas take: as asked for, or read off a gauge after the run."""
 
 from __future__ import annotations
 

@@ -5,9 +5,9 @@ The forces of the water are taken whole, at rest and moving, so that buoyancy an
     sliding   friction (W - F_z)/|F_x|
     tilting   (W arm - M_rest)/(M - M_rest)
 
-with W the weight in air, F_x and F_z the force of the water, M its moment about the heel, M_rest that at rest. Either is
-1 where the wall begins to move. It is the moving part of the moment, uplift included, that is compared with what holds
-the wall in still water.
+with W the weight in air, F_x and F_z the force of the water, M its moment about the heel, M_rest that at rest. Either
+is 1 where the wall begins to move. It is the moving part of the moment, uplift included, that is compared with what
+holds the wall in still water.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ import numpy as np
 from houle.analysis.events import rest_level
 from houle.errors import CaseError
 from houle.grid import FloatArray
-from houle.results.answers.pressures import WINDOW
-from houle.results.answers.table import Answer, not_answered
+from houle.results.answers.table import WINDOW, Answer, not_answered
 
 if TYPE_CHECKING:
     from houle.case.tables.observed import Force

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import isfinite, nan
 from typing import Any
 
-CONFIDENCE = 0.90  # of all intervals
+CONFIDENCE = 0.90  # share that every interval holds
+WINDOW = 10.0  # mean periods over which the level at rest is taken
+BRIEF = 0.05  # mean periods: a pressure that rises in less is an impact
+BOUND = (
+    "an impact: a code without air stops water in a step, so its peak is an upper bound that depends on the spacing; "
+    "the impulse does not"
+)
 
 #: Columns of answers.csv, in their order. "low_90" and "high_90" are the ends of an interval of 90 %.
 COLUMNS = (

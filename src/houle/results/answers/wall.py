@@ -1,4 +1,4 @@
-"""A structure on which forces are observed, as a wall under attack: its loads in the direction of the waves, its heel."""
+"""A structure on which forces are observed, as a wall under attack: its loads and its heel, seen along the waves."""
 
 from __future__ import annotations
 
@@ -89,10 +89,9 @@ def _side(given: Given, row: int, table: Force, sea: Sea) -> Wall:
 
 def _area(given: Given, table: Force) -> shapely.Geometry:
     """The section of the structure."""
-    bodies = [*given.case.solid, *given.case.porous]
-    body = next(b for b in bodies if b.name == table.body)
+    named = {**{b.name: b for b in given.case.porous}, **{b.name: b for b in given.case.solid}}
     size = given.case.domain.size
-    return shape_of(body, given.case.dimension).section((0.0, 0.0, size[0], size[-1]))
+    return shape_of(named[str(table.body)], given.case.dimension).section((0.0, 0.0, size[0], size[-1]))
 
 
 def _corners(area: shapely.Geometry) -> list[tuple[float, float]]:

@@ -46,7 +46,7 @@ def horizontal(sea: Sea, wall: Outline, density: float) -> Beside:
 
 
 def uplift(sea: Sea, wall: Outline, density: float, width: float) -> Beside:
-    """Wave uplift [N/m] under a wall so wide [m]: a triangle from pu at its front edge. Raises CaseError, DesignError."""
+    """Wave uplift [N/m] under a wall so wide [m]: a triangle from pu at its front. Raises CaseError, DesignError."""
     found = pressure(sea, wall, density)
     return beside(found, 0.5 * found.pu * width)
 

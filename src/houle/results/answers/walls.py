@@ -8,19 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from houle.analysis.events import Events, events, interval
 from houle.grid import FloatArray
 from houle.results.answers import wall_formulas
 from houle.results.answers.given import Given, Question, with_formulas
 from houle.results.answers.outline import outline_of
-from houle.results.answers.pressures import BOUND, BRIEF, WINDOW
 from houle.results.answers.stability import safety
 from houle.results.answers.structure import Outline, Sea
-from houle.results.answers.table import Answer, Beside, not_answered
+from houle.results.answers.table import BOUND, BRIEF, WINDOW, Answer, Beside, not_answered
 from houle.results.answers.wall import Wall, wall_of
 
 if TYPE_CHECKING:
@@ -35,19 +36,21 @@ def questions(given: Given) -> Iterator[Question]:
     """A question for each [[force]]: its loads; and its safety where a weight is given."""
     for row, table in enumerate(given.case.force):
         if given.sea is None:
-            yield f"force {table.name}", lambda row=row, table=table: _whole(given, row, table)
+            yield f"force {table.name}", partial(_whole, given, row, table)
             continue
         wall = wall_of(given, row, table)
-        yield f"force {table.name}", lambda wall=wall: _loads(given, wall)
+        yield f"force {table.name}", partial(_loads, given, wall)
         if table.weight is not None:
-            yield f"safety {table.name}", lambda wall=wall, table=table: safety(given, wall, table)
+            yield f"safety {table.name}", partial(safety, given, wall, table)
 
 
 def _whole(given: Given, row: int, table: Force) -> Iterator[Answer]:
     """Largest and least horizontal force in the whole run, where no waves part it into events."""
     force = given.record("force", row)[:, 0] / given.width
     for word, value in (("largest", force.max()), ("least", force.min())):
-        yield Answer(f"force {table.name}, {word} along x", float(value), "N/m", method="in the whole run", group="force")
+        yield Answer(
+            f"force {table.name}, {word} along x", float(value), "N/m", method="in the whole run", group="force"
+        )
 
 
 def _loads(given: Given, wall: Wall) -> Iterator[Answer]:
@@ -60,11 +63,15 @@ def _loads(given: Given, wall: Wall) -> Iterator[Answer]:
     towards = _events(given, wall.horizontal[late], late, wall)
     yield _impulse(given, name, wall, towards)
     largest = _largest(given, f"{name}, F_max landward", wall, towards, "N/m", "force")
-    yield with_formulas(largest, sea, lambda: [wall_formulas.horizontal(sea, outline.found, density)]) if not (
-        sea.regular
-    ) else _regular(largest, sea, outline, density)
+    yield (
+        with_formulas(largest, sea, lambda: [wall_formulas.horizontal(sea, outline.found, density)])
+        if not (sea.regular)
+        else _regular(largest, sea, outline, density)
+    )
     yield from _statistics(given, name, wall, towards)
-    yield _largest(given, f"{name}, F_max seaward", wall, _events(given, -wall.horizontal[late], late, wall), "N/m", "force")
+    yield _largest(
+        given, f"{name}, F_max seaward", wall, _events(given, -wall.horizontal[late], late, wall), "N/m", "force"
+    )
     if wall.under:
         lifting = _events(given, wall.upward[late], late, wall)
         row = _largest(given, f"{name}, uplift", wall, lifting, "N/m", "force")
@@ -80,6 +87,7 @@ def _loads(given: Given, wall: Wall) -> Iterator[Answer]:
 
 def _regular(row: Answer, sea: Sea, outline: _Front, density: float) -> Answer:
     """The row with Sainflou's standing wave, which is for waves that are all alike."""
+
     def found() -> list[Beside]:
         return [wall_formulas.horizontal(sea, outline.found, density)]
 
@@ -98,7 +106,7 @@ class _Front:
         return self.wall.outline or outline_of(self.given.case, self.sea, self.wall.crest)
 
 
-def _events(given: Given, load: FloatArray, late: FloatArray, wall: Wall) -> Events:
+def _events(given: Given, load: FloatArray, late: NDArray[np.intp], wall: Wall) -> Events:
     """Events of a load (T,) at the rows `late` of the series."""
     assert given.sea is not None
     return events(given.time[late], load, window=WINDOW * given.sea.mean, waves=given.waves(wall.front))
