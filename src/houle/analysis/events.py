@@ -66,7 +66,7 @@ class Events:
         return np.sort(self.peaks)[::-1], np.arange(1, len(self) + 1) / (self.waves + 1.0)
 
 
-def events(
+def load_events(
     time: ArrayLike,
     record: ArrayLike,
     *,

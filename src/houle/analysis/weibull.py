@@ -40,7 +40,7 @@ class Weibull:
         return self.scale * float(np.log(count)) ** (1.0 / self.shape)
 
 
-def weibull(values: ArrayLike, *, least: float = 0.0, confidence: float = 0.90, seed: int = 0) -> Weibull:
+def weibull_fit(values: ArrayLike, *, least: float = 0.0, confidence: float = 0.90, seed: int = 0) -> Weibull:
     """Fits values (N,) above `least`. Raises AnalysisError for fewer than 5, or values not above `least`."""
     v = np.asarray(values, dtype=float).ravel()
     if len(v) < FEWEST:
