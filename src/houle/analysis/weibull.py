@@ -19,8 +19,8 @@ from houle.analysis.errors import AnalysisError
 Real = NDArray[np.float64]
 FEWEST = 5  # values that tell a shape at all
 SHAPES = (0.05, 50.0)  # range in which the shape is looked for
-DRAWS = 400_000  # random numbers of an interval, at most
-REPEATS = 2000  # samples of an interval, at most
+DRAWS = 100_000  # random numbers of an interval, at most
+REPEATS = 1000  # samples of an interval, at most
 HALVINGS = 36  # halvings of the range of ln(shape), to 1e-10
 
 

@@ -47,8 +47,8 @@ def _finding(s: CrossSection, key: str, found: tuple[Beside, ...], part: float, 
     cells = volume / (s.grid.spacing[0] * s.grid.spacing[-1])
     told = ", ".join(f"{1e3 * one.value:.3g} l/s/m ({one.name})" for one in found)
     wave = (
-        f": expect {told}; {100 * part:.2g} % of the waves overtop, with {1e3 * volume:.3g} l/m each, {cells:.3g} cells "
-        f"of water or {PARTICLES * cells:.3g} particles"
+        f": expect {told}; {100 * part:.2g} % of the waves overtop, with {1e3 * volume:.3g} l/m each, {cells:.3g} "
+        f"cells of water or {PARTICLES * cells:.3g} particles"
     )
     if cells >= CELLS:
         return Finding("info", key, wave)
