@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from houle.output import series_table
 from houle.output.csv_file import write_csv
-from houle.results.answers import overtopping, pressures, reflection, runup, walls
+from houle.results.answers import bank, overtopping, pressures, reflection, runup, walls
 from houle.results.answers.given import Given, Question, attempted
 from houle.results.answers.sea import measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry
@@ -36,12 +36,14 @@ def draw(run: Run, rows: list[Answer]) -> None:
 
 
 def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
-    """The rows of a run; summary: its other entries, of which that of [reflection] is read.
+    """The rows of a run; summary: its other entries, of which those of [reflection] and [[bank]] are read.
 
     A question without an answer is a row that says why.
     """
     case = run.case
-    if not (case.overtopping or case.runup or case.force or case.reflection or (case.sensor and case.waves)):
+    if not (
+        case.overtopping or case.runup or case.force or case.bank or case.reflection or (case.sensor and case.waves)
+    ):
         return []
     series = series_table(run.directory)
     if series.sizes["time"] < 3:
@@ -49,7 +51,8 @@ def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
     found = summary.get("reflection") or {}
     sea = sea_of(case)
     given = Given(case, series, None if sea is None else measured(sea, case, series, found))
-    return [row for question in _questions(given, found) for row in attempted(question)]
+    asked = [*_questions(given, found), *bank.questions(summary.get("bank") or [])]
+    return [row for question in asked for row in attempted(question)]
 
 
 def _questions(given: Given, found: Mapping[str, Any]) -> Iterator[Question]:

@@ -26,6 +26,7 @@ NO_SEA = {
     "focused": "one group of waves is no sea",
     "series": "the waves are a record, which gives no steady sea",
     "paddle": "the waves are those of a recorded paddle, which gives no steady sea",
+    "ship": "the waves of a ship are no steady sea",
     "regular": "the waves are all alike, the formula is for a sea",
 }
 
