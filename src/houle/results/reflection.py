@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
+CONFIDENCE = 0.90  # share that the intervals hold, as all answers of a run
 NEAR = 1e-6  # two places nearer to each other than this are the same [m]
 
 
@@ -71,8 +72,8 @@ class ReflectionFlume:
         return cls(maker, structure[0], back, wall, behind, waves.zone is not None or before)
 
 
-def measure(run: Run) -> Reflection:
-    """C_R, C_T, C_D of the run with their intervals and window. Raises AnalysisError."""
+def measure(run: Run, confidence: float = 0.95) -> Reflection:
+    """C_R, C_T, C_D of the run with their intervals of this confidence and window. Raises AnalysisError."""
     case = run.case
     asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
@@ -92,6 +93,7 @@ def measure(run: Run) -> Reflection:
         wave_number=wave.k if regular and asked.method != "jh2020" else None,
         bed=float(levels[0]) - waves.depth,
         gravity=case.fluid.gravity,
+        confidence=confidence,
         **place,
     )
 
@@ -208,7 +210,7 @@ def record(run: Run) -> dict[str, Any]:
     if run.case.reflection is None:
         return {}
     try:
-        found = measure(run)
+        found = measure(run, CONFIDENCE)
     except AnalysisError as error:
         return {"reflection": {"problem": str(error)}}
     draw(found, run.directory / PICTURE)
