@@ -113,13 +113,13 @@ def resume(
     from houle.check import rules
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
-    from houle.running.restart import existing, prolong, prolonged, restored
+    from houle.running.restart import existing, prolong, prolonged, reached, restored
     from houle.running.session import Clock, Session
 
     clock, (case, manifest, hashes) = Clock(), existing(directory)
     check_until(until, None)
     finished = bool(manifest.get("finished"))
-    if finished and not (until is not None and until > case.time.end):
+    if finished and not (until is not None and until > reached(case, manifest)):
         time = manifest["summary"]["time"]
         says.say(f"houle: {directory} is finished (t = {time:g} s); there is nothing to do")
         return Run(directory)
@@ -134,7 +134,7 @@ def resume(
             simulation, checkpoint = restored(directory, case, hashes, threads, says)
         check_until(until, checkpoint.meta["time"])
         if finished and until is not None:
-            says.say(f"houle: prolonged from {case.time.end:g} s to {until:g} s")
+            says.say(f"houle: prolonged from {reached(case, manifest):g} s to {until:g} s")
             case, manifest, hashes = prolong(directory, case, longer, manifest, hashes)
         says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
         session = Session(directory, case, simulation, threads, clock, says)
