@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
+CONFIDENCE = 0.90  # share that the intervals hold, as all answers of a run
 NEAR = 1e-6  # two places nearer to each other than this are the same [m]
 
 
@@ -92,6 +93,7 @@ def measure(run: Run) -> Reflection:
         wave_number=wave.k if regular and asked.method != "jh2020" else None,
         bed=float(levels[0]) - waves.depth,
         gravity=case.fluid.gravity,
+        confidence=CONFIDENCE,
         **place,
     )
 

@@ -179,6 +179,8 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     more = laboratory.record(run)
     if at_end:
         more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
+        with session.clock.stage("answers"):
+            more |= _answers(run, session, more)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     if "reflection" in more:
         with session.clock.stage("wave quality"):
@@ -192,6 +194,19 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
         time = session.simulation.time
         session.says.say(f"houle: stopped at t = {time:g} s; go on with: houle resume {run.directory}")
     return run
+
+
+def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]:
+    """Writes the answers of a run, and returns their entry of run.json. A picture that fails does not fail the run."""
+    from houle.results.answers import record
+
+    rows = record.answers(run, more)
+    found = record.record(run, rows)
+    try:
+        record.draw(run, rows)
+    except Exception as error:
+        session.says.say(f"warning: no {record.PICTURE} ({type(error).__name__}: {error})")
+    return found
 
 
 def draw(run: Run, session: Session) -> None:
