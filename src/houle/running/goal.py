@@ -14,7 +14,7 @@ WAVES = 20  # between two looks
 
 
 class Goal:
-    """Looks at the answers at every so many frames, so that a run ends at the same step however often it was resumed."""
+    """Looks at the answers at every so many frames: a run ends at the same step however often it was resumed."""
 
     def __init__(self, case: Case) -> None:
         self.every, self.frames, wave = case.output.every, 0, case.wave
@@ -33,7 +33,11 @@ class Goal:
 
     def met(self, directory: Path) -> bool:
         """True if every answer that the case names is as sure as it asks, by what the files of the run hold."""
-        from houle.results.answers.enough import asked
+        from houle.results import reflection
+        from houle.results.answers import enough, record
         from houle.results.run import Run
 
-        return all(one.met for one in asked(Run(directory)))
+        run = Run(directory)
+        wanted = run.case.time.until is not None and run.case.time.until.reflection is not None
+        rows = record.answers(run, reflection.look(run) if wanted else {})
+        return all(one.met for one in enough.asked(run.case, rows, enough.waves_of(run)))

@@ -198,10 +198,10 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
 
 def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]:
     """Writes the answers of a run, and returns their entry of run.json. A picture that fails does not fail the run."""
-    from houle.results.answers import record
+    from houle.results.answers import enough, record
 
     rows = record.answers(run, more)
-    found = record.record(run, rows)
+    found = record.record(run, rows) | enough.entry(enough.asked(run.case, rows, enough.waves_of(run)))
     try:
         record.draw(run, rows)
     except Exception as error:

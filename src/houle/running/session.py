@@ -20,8 +20,8 @@ from houle.data import laboratory
 from houle.flow.ledger import WORKS
 from houle.output import Checkpoint, Outputs, about, collect, save_checkpoint, summarise, write_manifest
 from houle.running import signals
-from houle.running.goal import Goal
 from houle.running.failure import as_failure, write_bundle
+from houle.running.goal import Goal
 from houle.running.progress import Silent
 from houle.running.recorder import Recorder
 
@@ -155,6 +155,8 @@ class Session:
         with self.clock.stage("answers"):
             self.outputs.commit()
             self.met = self.goal.met(self.directory)
+        if self.met:
+            self.says.say(f"houle: the answers are as sure as asked at t = {self.simulation.time:g} s")
         return self.met
 
     @property
