@@ -9,8 +9,9 @@ import houle
 from houle.case.model import load
 from houle.errors import CaseError
 from houle.output import read_manifest, write_manifest
-from houle.results.answers.enough import asked, entry, lines
+from houle.results.answers.enough import asked, entry
 from houle.results.answers.table import Answer, not_answered
+from houle.results.answers.until import lines
 from houle.running.goal import WAVES, Goal
 
 PERIOD = 1.3  # s

@@ -40,4 +40,4 @@ class Goal:
         run = Run(directory)
         wanted = run.case.time.until is not None and run.case.time.until.reflection is not None
         rows = record.answers(run, reflection.look(run) if wanted else {})
-        return all(one.met for one in enough.asked(run.case, rows, enough.waves_of(run)))
+        return all(one.met for one in enough.asked(run.case, rows, enough.waves_of(run.case, run.directory)))

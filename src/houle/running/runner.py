@@ -201,7 +201,9 @@ def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]
     from houle.results.answers import enough, record
 
     rows = record.answers(run, more)
-    found = record.record(run, rows) | enough.entry(enough.asked(run.case, rows, enough.waves_of(run)))
+    found = record.record(run, rows) | enough.entry(
+        enough.asked(run.case, rows, enough.waves_of(run.case, run.directory))
+    )
     try:
         record.draw(run, rows)
     except Exception as error:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from math import ceil, inf, isfinite, nan
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from houle.output import series_table
@@ -14,9 +15,8 @@ from houle.results.answers.table import Answer, not_answered
 
 if TYPE_CHECKING:
     from houle.case.model import Case
-    from houle.results.run import Run
 
-NAMES = {  # of the answers: how they begin and end
+NAMES = {  # beginnings and ends of the names of answers
     "q": ("overtopping", ", mean discharge"),
     "run_up": ("run-up", ", R_2%"),
     "reflection": ("reflection", ", C_R (reflected)"),
@@ -71,14 +71,14 @@ def _width(key: str, row: Answer, target: float, waves: float) -> Asked:
     return Asked(key, row.name, half, target, met, more)
 
 
-def waves_of(run: Run) -> float:
-    """Number of waves that have come to the first place that the case asks about, by what its series hold."""
-    case, sea = run.case, sea_of(run.case)
+def waves_of(case: Case, directory: Path) -> float:
+    """Number of waves that have come to the first place that the case asks about, by the series in the folder."""
+    sea = sea_of(case)
     if sea is None:
         return 0.0
     places = [table.x for table in case.overtopping] + [table.x[1] for table in case.runup]
     places += [] if case.reflection is None else [case.reflection.structure[0]]
-    end = float(series_table(run.directory)[TIME].values[-1])
+    end = float(series_table(directory)[TIME].values[-1])
     first = min(places, key=lambda x: abs(x - sea.maker), default=sea.maker)
     return max(0.0, (end - sea.start(first)) / sea.mean)
 
@@ -89,19 +89,3 @@ def entry(found: list[Asked]) -> dict[str, Any]:
         {k: None if isinstance(v, float) and not abs(v) < inf else v for k, v in asdict(one).items()} for one in found
     ]
     return {"until": rows} if rows else {}
-
-
-def lines(rows: Iterable[Mapping[str, Any]]) -> list[tuple[str, str]]:
-    """Rows of the summary from the entry "until" of run.json."""
-    return [(row["name"], _told(row)) for row in rows]
-
-
-def _told(row: Mapping[str, Any]) -> str:
-    if row["key"] == "waves":
-        return f"{row['half']:.0f} of {row['target']:.0f}"
-    number = "{:.3f}" if row["key"] == "reflection" else "{:.1%}"
-    asked = f"+-{number.format(row['target'])} asked"
-    if row["half"] is None:
-        return f"no interval yet, {asked}"
-    had = f"+-{number.format(row['half'])}, {asked}"
-    return had if row["met"] else f"{had}: some {row['more']:.0f} waves more would do"
