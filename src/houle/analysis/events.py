@@ -66,7 +66,7 @@ class Events:
         return np.sort(self.peaks)[::-1], np.arange(1, len(self) + 1) / (self.waves + 1.0)
 
 
-def events(
+def load_events(
     time: ArrayLike,
     record: ArrayLike,
     *,
@@ -109,11 +109,18 @@ def _medians(t: Real, z: Real, window: float) -> Real:
         return np.full_like(z, np.median(z))
     middles = np.linspace(t[0] + window / 2, t[-1] - window / 2, int(np.ceil(2 * length / window)))
     ends = [np.searchsorted(t, (m - window / 2, m + window / 2)) for m in middles]
-    level = np.array([np.median(z[a : max(b, a + 1)]) for a, b in ends])
+    level = np.array([_median(t[a:b], z[a:b], m, window) for (a, b), m in zip(ends, middles, strict=True)])
     before = level[0] + (t - middles[0]) * (level[1] - level[0]) / (middles[1] - middles[0])
     after = level[-1] + (t - middles[-1]) * (level[-1] - level[-2]) / (middles[-1] - middles[-2])
     inside = np.interp(t, middles, level)
     return np.where(t < middles[0], before, np.where(t > middles[-1], after, inside))
+
+
+def _median(t: Real, z: Real, middle: float, window: float) -> float:
+    """Median of a piece that fades towards its ends, so that it does not matter where in a wave it is cut."""
+    order = np.argsort(z, kind="stable")
+    share = np.cumsum((np.cos(np.pi * (t - middle) / window) ** 2)[order])
+    return float(z[order][np.searchsorted(share, 0.5 * share[-1])])
 
 
 def _stretches(above: Real, least: float) -> list[tuple[int, int]]:
@@ -168,24 +175,33 @@ def per_wave(times: ArrayLike, values: ArrayLike, start: float, end: float, wave
     return np.asarray(inside, dtype=float)
 
 
-def mean_interval(values: Real, *, confidence: float = 0.90, seed: int = 0) -> tuple[float, float]:
+def mean_interval(values: Real, *, confidence: float = 0.90) -> tuple[float, float]:
     """Interval of the mean of values (N,), one for each wave, that are zero in most waves and never negative.
 
-    The standard error is that of the stationary block bootstrap. The mean is multiplied and divided by
-    exp(t error/mean), with Student's t for the number of values that are not zero: percentiles of a bootstrap, the
-    usual choice, miss the largest waves that did not come, and hold the truth 82 times in 100 instead of 90 with eight
-    overtopping waves. NaN for fewer than three that are not zero.
+    The standard error is that of the stationary block bootstrap (see `resampled`), in its closed form, and at least
+    that of waves without order. The mean is multiplied and divided by exp(t error/mean), with Student's t for the
+    number of values that are not zero: percentiles of a bootstrap, the usual choice, miss the largest waves that did
+    not come, and hold the truth 79 to 87 times in 100 with eight overtopping waves, this 89 to 94 times
+    (benchmarks/answers_intervals.py). NaN for fewer than three that are not zero.
     """
     from scipy.special import stdtrit
 
-    count, mean = int(np.count_nonzero(values)), float(np.mean(values))
-    if count < 3 or len(values) < 4:
+    count, n, mean = int(np.count_nonzero(values)), len(values), float(np.mean(values))
+    if count < 3 or n < 4:
         return float("nan"), float("nan")
-    error = float(np.std(resampled(values, lambda rows: rows.mean(axis=1), seed))) * np.sqrt(
-        len(values) / (len(values) - 1)
-    )
+    error = np.sqrt(max(_block_variance(values), float(np.var(values)) / n) * n / (n - 1))
     factor = float(np.exp(stdtrit(count - 1, 0.5 + confidence / 2) * error / mean))
     return mean / factor, mean * factor
+
+
+def _block_variance(values: Real) -> float:
+    """Variance of the mean of values (N,) over all stationary block resamples: covariances around, weighted."""
+    n, i = len(values), np.arange(len(values))
+    covariance = np.fft.ifft(np.abs(np.fft.fft(values - values.mean())) ** 2).real / n
+    stays = 1.0 - n ** (-1.0 / 3.0)
+    weight = (1 - i / n) * stays**i + i / n * stays ** (n - i)
+    weight[0] = 1.0
+    return float(covariance @ weight) / n
 
 
 def interval(

@@ -2,9 +2,9 @@
 
 `overtopping_events` parts a record where it stands still. That of a run hardly does: drops fall and films run off a
 crest long after a wave, so that one wave joins the next. Here waves are told by their discharge, the mean over a
-quarter of a mean period. One begins where the discharge rises above that of one least volume in a period, and two are parted
-where it falls to a fifth of the lower of their peaks. What drips between them belongs to the former, water that flows
-back is taken off it, and so the volumes add up to all that came over, but for waves below the least volume.
+quarter of a mean period. One begins where the discharge rises above that of one least volume in a period, and two
+are parted where it falls to a fifth of the lower of their peaks. What drips between them belongs to the former, water
+that flows back is taken off it, and so the volumes add up to all that came over, but for waves below the least volume.
 """
 
 from __future__ import annotations

@@ -19,8 +19,8 @@ from houle.analysis.errors import AnalysisError
 Real = NDArray[np.float64]
 FEWEST = 5  # values that tell a shape at all
 SHAPES = (0.05, 50.0)  # range in which the shape is looked for
-DRAWS = 400_000  # random numbers of an interval, at most
-REPEATS = 2000  # samples of an interval, at most
+DRAWS = 100_000  # random numbers of an interval, at most
+REPEATS = 1000  # samples of an interval, at most
 HALVINGS = 36  # halvings of the range of ln(shape), to 1e-10
 
 
@@ -40,7 +40,7 @@ class Weibull:
         return self.scale * float(np.log(count)) ** (1.0 / self.shape)
 
 
-def weibull(values: ArrayLike, *, least: float = 0.0, confidence: float = 0.90, seed: int = 0) -> Weibull:
+def weibull_fit(values: ArrayLike, *, least: float = 0.0, confidence: float = 0.90, seed: int = 0) -> Weibull:
     """Fits values (N,) above `least`. Raises AnalysisError for fewer than 5, or values not above `least`."""
     v = np.asarray(values, dtype=float).ravel()
     if len(v) < FEWEST:

@@ -72,8 +72,8 @@ class ReflectionFlume:
         return cls(maker, structure[0], back, wall, behind, waves.zone is not None or before)
 
 
-def measure(run: Run) -> Reflection:
-    """C_R, C_T, C_D of the run with their intervals and window. Raises AnalysisError."""
+def measure(run: Run, confidence: float = 0.95) -> Reflection:
+    """C_R, C_T, C_D of the run with their intervals of this confidence and window. Raises AnalysisError."""
     case = run.case
     asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
@@ -93,7 +93,7 @@ def measure(run: Run) -> Reflection:
         wave_number=wave.k if regular and asked.method != "jh2020" else None,
         bed=float(levels[0]) - waves.depth,
         gravity=case.fluid.gravity,
-        confidence=CONFIDENCE,
+        confidence=confidence,
         **place,
     )
 
@@ -210,7 +210,7 @@ def record(run: Run) -> dict[str, Any]:
     if run.case.reflection is None:
         return {}
     try:
-        found = measure(run)
+        found = measure(run, CONFIDENCE)
     except AnalysisError as error:
         return _problem(error)
     draw(found, run.directory / PICTURE)

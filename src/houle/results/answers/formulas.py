@@ -15,10 +15,12 @@ from houle.design.overtopping import (
 from houle.design.reflection import reflection_slope
 from houle.design.roughness import ROUGHNESS
 from houle.design.runup import run_up_slope, run_up_solitary
+from houle.design.sea import discharge
 from houle.design.share import AT_A_WALL, overtopping_share
 from houle.results.answers.structure import Outline, Sea
 from houle.results.answers.table import Beside
 
+FEWEST = 1e-5  # q / sqrt(g Hm0^3) of the tests in the table, at least
 COUNT = 5  # laboratory tests beside an answer
 RULES = ("eurotop-2018", "taw-2002")  # rules for the roughness of mounds in long waves
 
@@ -68,7 +70,10 @@ def laboratory_tests(sea: Sea, outline: Outline) -> Beside:
         more["armour_crest"] = outline.armour_crest
     found: NearestTests = nearest_tests(kind=outline.kind, freeboard=outline.freeboard, count=COUNT, **waves, **more)
     rows = tuple(f"row {n.test.row} of CLASH: q {n.q:.3g}, distance {n.distance:.2f}" for n in found.tests)
-    return Beside("CLASH", found.q, found.low, found.high, (*rows, *found.outside), tuple(n.q for n in found.tests))
+    less = min(one.value for one in mean_overtopping(sea, outline)) < FEWEST * discharge(sea.height)
+    cut = f"the database has no test below q* = {FEWEST:g}, so its nearest let more water over" if less else ""
+    words = tuple(w for w in (*rows, *found.outside, cut) if w)
+    return Beside("CLASH", found.q, found.low, found.high, words, tuple(n.q for n in found.tests))
 
 
 def run_up(sea: Sea, outline: Outline) -> Beside:

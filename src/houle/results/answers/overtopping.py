@@ -12,7 +12,7 @@ import numpy as np
 
 from houle.analysis.events import mean_interval, per_wave
 from houle.analysis.volumes import Volumes, wave_volumes
-from houle.analysis.weibull import Weibull, weibull
+from houle.analysis.weibull import Weibull, weibull_fit
 from houle.grid import FloatArray
 from houle.results.answers import formulas
 from houle.results.answers.given import Given, Question, with_formulas, with_tests
@@ -111,7 +111,7 @@ class Crest:
 
     def _volumes(self, name: str, volumes: FloatArray, when: str) -> Iterator[Answer]:
         """The largest volume, and scale and shape of the Weibull distribution of all."""
-        fitted = weibull(volumes, least=LEAST * self.cell) if len(volumes) >= ENOUGH else None
+        fitted = weibull_fit(volumes, least=LEAST * self.cell) if len(volumes) >= ENOUGH else None
         cells = float(volumes.mean()) / self.cell
         coarse = f"a mean overtopping wave is {cells:.3g} cells of water"
         largest = Answer(

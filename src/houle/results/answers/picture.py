@@ -23,7 +23,7 @@ GROUPS = {
     "force": "Force of the waves", "moment": "Overturning moment", "coefficient": "Reflection",
 }  # fmt: skip  # panels in their order
 LOGARITHMIC = "discharge"
-NAMES = 2.3  # width of the names at the left [inches]
+NAMES = 2.75  # width of the names at the left [inches]
 WIDE = 4.6  # width of a panel [inches]
 LANE = 0.17  # height of a lane of a row: the run, each formula, the tests [inches]
 TESTS: dict[str, Any] = {"marker": "o", "ls": "none", "ms": 4.0, "mfc": "white", "mew": 0.9, "color": LABORATORY}
@@ -72,7 +72,15 @@ def _row(panel: Axes, row: Answer, at: float, log: bool) -> None:
     _name(panel, row.name, at, INK)
     if isfinite(row.low):
         panel.plot([place(row.low), place(row.high)], [at, at], color=WATER, lw=2.0, solid_capstyle="butt")
-    panel.plot([place(row.value)], [at], "o", color=WATER, ms=4.5, clip_on=False)
+    none = log and row.value <= 0.0  # a logarithmic axis has no 0: an arrow at its end points there
+    panel.plot(
+        [panel.get_xlim()[0] if none else place(row.value)],
+        [at],
+        "<" if none else "o",
+        color=WATER,
+        ms=4.5,
+        clip_on=False,
+    )
     for n, one in enumerate(row.formulas, start=1):
         _name(panel, one.name, at + n, GREY)
         _band(panel, one, at + n, n, place)
@@ -89,7 +97,7 @@ def _name(panel: Axes, words: str, at: float, colour: str) -> None:
         words, (0, at), (-8, 0), xycoords=panel.get_yaxis_transform(), textcoords="offset points", ha="right",
         va="center", annotation_clip=False, fontsize=drawing.SMALL, color=colour,
     )  # fmt: skip
-    drawing.fitted(name, NAMES - 0.25)
+    drawing.fitted(name, NAMES - 0.45)
 
 
 def _band(panel: Axes, one: Beside, at: float, number: int, place: Any) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from houle.analysis.events import events
+from houle.analysis.events import load_events
 from houle.errors import CaseError
 from houle.results.answers.given import Given, Question
 from houle.results.answers.table import BOUND, BRIEF, WINDOW, Answer
@@ -31,7 +31,7 @@ def _rows(given: Given, row: int, table: Sensor) -> Iterator[Answer]:
     assert sea is not None
     late = given.late(x)
     name, waves = f"pressure {table.name}", given.waves(x)
-    found = events(given.time[late], given.record("pressure", row)[late], window=WINDOW * sea.mean, waves=waves)
+    found = load_events(given.time[late], given.record("pressure", row)[late], window=WINDOW * sea.mean, waves=waves)
     if not len(found):
         raise CaseError("the pressure stands still")
     top, method = found.largest, f"above the pressure at rest, {given.when(x)}"

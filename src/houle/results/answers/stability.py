@@ -25,7 +25,7 @@ from houle.results.answers.table import WINDOW, Answer, not_answered
 if TYPE_CHECKING:
     from houle.case.tables.observed import Force
     from houle.results.answers.given import Given
-    from houle.results.answers.wall import Wall
+    from houle.results.answers.structure import Wall
 
 
 def safety(given: Given, wall: Wall, table: Force) -> Iterator[Answer]:

@@ -1,9 +1,11 @@
-"""The sea and the section that answers are compared for, as the numbers that published formulas take."""
+"""The sea, the section and the wall that answers are about, in numbers and arrays."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan
+
+from houle.grid import FloatArray
 
 
 @dataclass(frozen=True)
@@ -74,3 +76,30 @@ class Outline:
     berm_width: float = 0.0
     foot: float = nan
     words: str = ""
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A structure, its place and its loads per metre; T rows of the series.
+
+    front, crest   x of its face towards the waves, and of its highest part [m]
+    width          of its base [m]; under: true if water is under it
+    horizontal     (T,) force in the direction of the waves [N/m]
+    upward         (T,) force upwards, buoyancy included [N/m]
+    moment         (T,) about the heel, positive when it tips the structure in the direction of the waves [N]
+    about          sentence on the point of the moment
+    arm            distance of the middle of its area from the heel, seawards [m]
+    outline        the section, of a side of the tank; of others it is looked at
+    """
+
+    name: str
+    front: float
+    crest: float
+    width: float
+    under: bool
+    horizontal: FloatArray
+    upward: FloatArray
+    moment: FloatArray
+    about: str
+    arm: float
+    outline: Outline | None = None

@@ -123,7 +123,7 @@ def _told(value: Any) -> Any:
 
 
 def lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Rows of the summary of a run from the entry "answers": name; value, interval, formula and tests in words."""
+    """Rows of the summary of a run from the entry "answers": name; value, interval, formula, tests, note."""
     return [pair for row in found.get("rows", []) for pair in _lines(row)]
 
 
@@ -136,7 +136,7 @@ def _lines(row: Mapping[str, Any]) -> list[tuple[str, str]]:
             found.append((f"  by {row[key]}", _with_span(row, f"{key}_value", f"{key}_low", f"{key}_high")))
     if row["tests"] is not None:
         found.append(("  nearest laboratory tests", _with_span(row, "tests", "tests_low", "tests_high")))
-    return found
+    return [*found, ("  note", row["note"])] if row["note"] else found
 
 
 def _with_span(row: Mapping[str, Any], value: str, low: str, high: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,7 @@ from houle.case.section import CrossSection
 from houle.case.shapes import shape_of
 from houle.grid import FloatArray
 from houle.medium.shapes import polygons
-from houle.results.answers.structure import Outline
+from houle.results.answers.structure import Outline, Wall
 
 if TYPE_CHECKING:
     import shapely
@@ -21,33 +20,6 @@ if TYPE_CHECKING:
     from houle.results.answers.structure import Sea
 
 CLEAR = 0.25  # spacings above the ground from which on water is under a body
-
-
-@dataclass(frozen=True)
-class Wall:
-    """A structure, its place and its loads per metre; T rows of the series.
-
-    front, crest   x of its face towards the waves, and of its highest part [m]
-    width          of its base [m]; under: true if water is under it
-    horizontal     (T,) force in the direction of the waves [N/m]
-    upward         (T,) force upwards, buoyancy included [N/m]
-    moment         (T,) about the heel, positive when it tips the structure in the direction of the waves [N]
-    about          sentence on the point of the moment
-    arm            distance of the middle of its area from the heel, seawards [m]
-    outline        the section, of a side of the tank; of others it is looked at
-    """
-
-    name: str
-    front: float
-    crest: float
-    width: float
-    under: bool
-    horizontal: FloatArray
-    upward: FloatArray
-    moment: FloatArray
-    about: str
-    arm: float
-    outline: Outline | None = None
 
 
 def wall_of(given: Given, row: int, table: Force) -> Wall:

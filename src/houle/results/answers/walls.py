@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from houle.analysis.events import Events, events, interval
+from houle.analysis.events import Events, interval, load_events
 from houle.grid import FloatArray
 from houle.results.answers import wall_formulas
 from houle.results.answers.given import Given, Question, with_formulas
 from houle.results.answers.outline import outline_of
 from houle.results.answers.stability import safety
-from houle.results.answers.structure import Outline, Sea
+from houle.results.answers.structure import Outline, Sea, Wall
 from houle.results.answers.table import BOUND, BRIEF, WINDOW, Answer, Beside, not_answered
-from houle.results.answers.wall import Wall, wall_of
+from houle.results.answers.wall import wall_of
 
 if TYPE_CHECKING:
     from houle.case.tables.observed import Force
@@ -109,7 +109,7 @@ class _Front:
 def _events(given: Given, load: FloatArray, late: NDArray[np.intp], wall: Wall) -> Events:
     """Events of a load (T,) at the rows `late` of the series."""
     assert given.sea is not None
-    return events(given.time[late], load, window=WINDOW * given.sea.mean, waves=given.waves(wall.front))
+    return load_events(given.time[late], load, window=WINDOW * given.sea.mean, waves=given.waves(wall.front))
 
 
 def _impulse(given: Given, name: str, wall: Wall, found: Events) -> Answer:
