@@ -132,5 +132,5 @@ def test_the_latest_end_says_what_is_lacking(tmp_path):
 
 
 def test_without_it_nothing_is_looked_at():
-    assert Goal(load(TANK, {"time.until": None})).frames == 0
-    assert Goal(load(TANK)).frames == round(WAVES * PERIOD / 0.5)
+    assert Goal(load(TANK, {"time.until": None}), lambda _: True).frames == 0
+    assert Goal(load(TANK), lambda _: True).frames == round(WAVES * PERIOD / 0.5)

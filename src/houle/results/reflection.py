@@ -239,7 +239,7 @@ def _problem(error: AnalysisError) -> dict[str, Any]:
 
 
 def measured(found: Reflection) -> dict[str, Any]:
-    """What the gauges say, as numbers and words for the entry of run.json."""
+    """Numbers and words of an analysis for the entry of run.json."""
     names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
     more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
     entry = {name: getattr(found, name) for name in (*names, *more)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,9 @@ WAVES = 20  # between two looks
 class Goal:
     """Looks at the answers at every so many frames: a run ends at the same step however often it was resumed."""
 
-    def __init__(self, case: Case) -> None:
-        self.every, self.frames, wave = case.output.every, 0, case.wave
+    def __init__(self, case: Case, sure: Callable[[Path], bool]) -> None:
+        """sure: whether the answers of the run in a folder are as sure as its case asks."""
+        self.every, self.frames, self.sure, wave = case.output.every, 0, sure, case.wave
         if case.time.until is not None and wave is not None:
             self.frames = max(1, round(WAVES * wave.period / self.every))
 
@@ -30,14 +32,3 @@ class Goal:
             and number % self.frames == 0
             and abs(now - multiple(number, self.every)) <= SAME * self.every
         )
-
-    def met(self, directory: Path) -> bool:
-        """True if every answer that the case names is as sure as it asks, by what the files of the run hold."""
-        from houle.results import reflection
-        from houle.results.answers import enough, record
-        from houle.results.run import Run
-
-        run = Run(directory)
-        wanted = run.case.time.until is not None and run.case.time.until.reflection is not None
-        rows = record.answers(run, reflection.look(run) if wanted else {})
-        return all(one.met for one in enough.asked(run.case, rows, enough.waves_of(run.case, run.directory)))

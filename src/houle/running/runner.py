@@ -86,6 +86,7 @@ def run(
     from houle.flow.simulation import Simulation
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
+    from houle.running.goal import Goal
 
     with clock.stage("set-up"):
         simulation = Simulation(build(case), threads)
@@ -93,7 +94,8 @@ def run(
     with exclusive(directory):
         new_folder(case.case.name, directory)  # raises if another run was made there meanwhile
         remove_leftovers(directory)
-        session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
+        kept = keep_case(case, directory)
+        session = Session(directory, kept, Goal(kept, _sure), simulation, threads, clock, says)
         session.manifest["case"]["file"] = None if case.path is None else str(case.path)
         return finish(session.begin(), until, progress)
 
@@ -113,6 +115,7 @@ def resume(
     from houle.check import rules
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
+    from houle.running.goal import Goal
     from houle.running.restart import existing, prolong, prolonged, reached, restored
     from houle.running.session import Clock, Session
 
@@ -137,7 +140,7 @@ def resume(
             says.say(f"houle: prolonged from {reached(case, manifest):g} s to {until:g} s")
             case, manifest, hashes = prolong(directory, case, longer, manifest, hashes)
         says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
-        session = Session(directory, case, simulation, threads, clock, says)
+        session = Session(directory, case, Goal(case, _sure), simulation, threads, clock, says)
         return finish(session.restore(checkpoint, manifest, hashes), until, progress)
 
 
@@ -196,14 +199,22 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     return run
 
 
+def _sure(directory: Path) -> bool:
+    """True if the answers of the run in this folder are as sure as time.until asks, by what its files hold."""
+    from houle.results import reflection
+    from houle.results.answers import record
+
+    run = Run(directory)
+    until = run.case.time.until
+    return record.sure(run, reflection.look(run) if until is not None and until.reflection is not None else {})
+
+
 def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]:
     """Writes the answers of a run, and returns their entry of run.json. A picture that fails does not fail the run."""
-    from houle.results.answers import enough, record
+    from houle.results.answers import record
 
     rows = record.answers(run, more)
-    found = record.record(run, rows) | enough.entry(
-        enough.asked(run.case, rows, enough.waves_of(run.case, run.directory))
-    )
+    found = record.record(run, rows) | record.until(run, rows)
     try:
         record.draw(run, rows)
     except Exception as error:

@@ -77,7 +77,14 @@ class Session:
     """A stretch of a run in its folder: begin() or restore(), then march()."""
 
     def __init__(
-        self, directory: Path, case: Case, simulation: Simulation, threads: int | None, clock: Clock, says: Silent
+        self,
+        directory: Path,
+        case: Case,
+        goal: Goal,
+        simulation: Simulation,
+        threads: int | None,
+        clock: Clock,
+        says: Silent,
     ) -> None:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         stations = [kind.stations for kind in instruments(case)]
@@ -86,7 +93,7 @@ class Session:
         self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case.laboratory))
         self.manifest = {**collect(case.identity, threads), "porous": drag_of(case)}
         self.newest = Path()  # newest checkpoint
-        self.goal, self.met = Goal(case), False
+        self.goal, self.met = goal, False
 
     def begin(self) -> Session:
         """Writes the first row, frame and checkpoint: from here on the run can be resumed, whatever happens."""
@@ -154,7 +161,7 @@ class Session:
             return False
         with self.clock.stage("answers"):
             self.outputs.commit()
-            self.met = self.goal.met(self.directory)
+            self.met = self.goal.sure(self.directory)
         if self.met:
             self.says.say(f"houle: the answers are as sure as asked at t = {self.simulation.time:g} s")
         return self.met

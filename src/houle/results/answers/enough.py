@@ -1,4 +1,4 @@
-"""How sure the answers of a run are beside what time.until asks, and how many waves more would make them so."""
+"""The intervals of answers beside what time.until asks of them, and the number of waves that is lacking."""
 
 from __future__ import annotations
 
