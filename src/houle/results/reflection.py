@@ -212,14 +212,9 @@ def record(run: Run) -> dict[str, Any]:
     try:
         found = measure(run, CONFIDENCE)
     except AnalysisError as error:
-        return {"reflection": {"problem": str(error)}}
+        return _problem(error)
     draw(found, run.directory / PICTURE)
-    names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
-    more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
-    entry = {name: getattr(found, name) for name in (*names, *more)}
-    window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
-    entry["window"] = {**window, "reason": found.window.reason}
-    entry |= asked_for(run.case)
+    entry = measured(found) | asked_for(run.case)
     if found.kind == "irregular":
         entry["H_made"] = as_made(run.case, found)
     if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
@@ -227,6 +222,29 @@ def record(run: Run) -> dict[str, Any]:
     elif run.case.reflection.theory and found.method != "jh2020":
         entry["no_theory"] = no_theory(run.case)
     return {"reflection": entry}
+
+
+def look(run: Run) -> dict[str, Any]:
+    """The entry "reflection" of a run that goes on: what the gauges say up to now, nothing drawn or compared."""
+    if run.case.reflection is None:
+        return {}
+    try:
+        return {"reflection": measured(measure(run))}
+    except AnalysisError as error:
+        return _problem(error)
+
+
+def _problem(error: AnalysisError) -> dict[str, Any]:
+    return {"reflection": {"problem": str(error)}}
+
+
+def measured(found: Reflection) -> dict[str, Any]:
+    """Numbers and words of an analysis for the entry of run.json."""
+    names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
+    more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
+    entry = {name: getattr(found, name) for name in (*names, *more)}
+    window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
+    return entry | {"window": {**window, "reason": found.window.reason}}
 
 
 def asked_for(case: Case) -> dict[str, float]:

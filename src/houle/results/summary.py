@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from houle.results.answers import table as answers
+from houle.results.answers import until
 from houle.results.seconds import duration
 
 Rows = list[tuple[str, str]]
@@ -190,6 +191,7 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
             f"Answers (in brackets: intervals of {100 * answers.CONFIDENCE:g} %, of formulas their own band)",
             answers.lines(summary.get("answers") or {}),
         ),
+        ("How sure time.until asks the answers to be", until.lines(summary.get("until", []))),
         ("Largest pressure at the sensors", pressures(summary.get("pressure", []))),
         ("Reflection", reflection(found) if (found := summary.get("reflection")) else []),
         (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from houle.output import series_table
 from houle.output.csv_file import write_csv
-from houle.results.answers import bank, overtopping, pressures, reflection, runup, walls
+from houle.results.answers import bank, enough, overtopping, pressures, reflection, runup, walls
 from houle.results.answers.given import Given, Question, attempted
 from houle.results.answers.sea import measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry
@@ -53,6 +53,17 @@ def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
     given = Given(case, series, None if sea is None else measured(sea, case, series, found))
     asked = [*_questions(given, found), *bank.questions(summary.get("bank") or [])]
     return [row for question in asked for row in attempted(question)]
+
+
+def sure(run: Run, summary: Mapping[str, Any]) -> bool:
+    """True if all answers of a run that goes on are as sure as time.until asks; summary as of `answers`."""
+    rows = answers(run, summary)
+    return all(one.met for one in enough.asked(run.case, rows, enough.waves_of(run.case, run.directory)))
+
+
+def until(run: Run, rows: list[Answer]) -> dict[str, Any]:
+    """The entry "until" of run.json; {} where the case asks for nothing."""
+    return enough.entry(enough.asked(run.case, rows, enough.waves_of(run.case, run.directory)))
 
 
 def _questions(given: Given, found: Mapping[str, Any]) -> Iterator[Question]:
