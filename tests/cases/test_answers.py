@@ -11,6 +11,7 @@ import pytest
 
 import houle
 from houle import design
+from houle.case.tables.waves import PASSING
 from houle.check.rules import check, require
 from houle.errors import CaseError
 from houle.output.netcdf import Table, Variable, times
@@ -18,7 +19,7 @@ from houle.results.answers import overtopping, pressures, runup, walls
 from houle.results.answers.given import Given, attempted
 from houle.results.answers.outline import OutlineError, outline_of
 from houle.results.answers.picture import write
-from houle.results.answers.sea import measured, sea_of
+from houle.results.answers.sea import NO_SEA, measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry, lines, not_answered
 
 PERIOD, HEIGHT, DEPTH = 1.6, 0.10, 0.40
@@ -201,6 +202,10 @@ def test_waves_that_are_no_sea_have_no_formula():
     mean = rows_of(overtopping.questions(given_with(case, overtopping_volume=overtopped()[0])))
     row = mean["overtopping crest, mean discharge"]
     assert row.formulas == () and row.tests is None and "no formula: the waves are all alike" in row.note
+
+
+def test_waves_that_pass_once_are_no_sea():
+    assert set(PASSING) | {"regular"} == set(NO_SEA)
 
 
 def test_a_run_that_ends_too_soon_is_a_row():
