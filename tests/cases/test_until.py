@@ -9,7 +9,9 @@ import houle
 from houle.case.model import load
 from houle.errors import CaseError
 from houle.output import read_manifest, write_manifest
+from houle.results import reflection
 from houle.results.answers.enough import asked, entry
+from houle.results.answers.record import answers
 from houle.results.answers.table import Answer, not_answered
 from houle.results.answers.until import lines
 from houle.running.goal import WAVES, Goal
@@ -23,6 +25,8 @@ TANK = {
     "waves": {"kind": "jonswap", "height": 0.12, "period": PERIOD, "depth": 0.4, "zone": {"x": [0.0, 1.5]}},
     "solid": [{"box": [[3.2, 0.0], [4.0, 0.45]]}],
     "overtopping": [{"name": "crest", "x": 3.3, "level": 0.45}],
+    "gauge": [{"name": "G1", "x": 1.8}, {"name": "G2", "x": 2.05}, {"name": "G3", "x": 2.4}],
+    "reflection": {"structure": [3.2], "gauges": ["G1", "G2", "G3"], "twin": False},
     "time": {"end": 100.0, "until": {"waves": 30}},
     "output": {"every": 0.5, "series_every": 0.05},
 }
@@ -67,7 +71,6 @@ def test_every_crest_has_to_be_sure():
     [
         ({}, "asks for nothing"),
         ({"q": 30}, "time.until.q = 30"),
-        ({"reflection": 0.02}, "asks for an answer of .reflection., which is not there"),
         ({"run_up": 0.1}, "asks for an answer of ..runup.., which is not there"),
         ({"wave": 3}, "time.until.wave"),
     ],
@@ -108,6 +111,16 @@ def test_it_ends_at_the_same_step_wherever_it_was_stopped_before(whole, tmp_path
     assert parts.summary["time"] == END and parts.summary["steps"] == whole.summary["steps"]
     for name in whole.series.data_vars:
         assert np.array_equal(whole.series[name].values, parts.series[name].values, equal_nan=True)
+
+
+def test_a_look_at_the_reflection_sees_what_the_end_says(whole):
+    seen, said = reflection.look(whole)["reflection"], whole.summary["reflection"]
+    assert seen["C_R"] == said["C_R"] and list(seen["interval_R"]) == list(said["interval_R"])
+    (row,) = [row for row in whole.summary["answers"]["rows"] if row["name"].startswith("reflection, C_R")]
+    half = (row["high_90"] - row["low_90"]) / 2
+    for target, met in ((half * 1.01, True), (half * 0.99, False)):
+        (found,) = asked(tank(reflection=target), answers(whole, {"reflection": seen}), 40.0)
+        assert found.met == met and found.half == pytest.approx(half)
 
 
 def test_a_run_that_was_killed_after_it_was_sure_ends_there(whole, folder):

@@ -229,7 +229,7 @@ def look(run: Run) -> dict[str, Any]:
     if run.case.reflection is None:
         return {}
     try:
-        return {"reflection": measured(measure(run))}
+        return {"reflection": measured(measure(run, CONFIDENCE))}
     except AnalysisError as error:
         return _problem(error)
 
