@@ -12,7 +12,7 @@ import houle
 from houle.case.model import load
 from houle.check.rules import check
 from houle.errors import CaseError
-from houle.results import summary
+from houle.results.answers import table
 from houle.results.bank import Seen, stability
 from houle.waves.ship import ShipWave
 
@@ -66,8 +66,17 @@ def test_a_run_ends_with_the_answers_about_its_banks(tmp_path):
     assert bank["bank"] == "bank-1" and bank["critical"] == pytest.approx(1.65 * 0.6 * 2 / np.sqrt(5))
     assert 0.0 < bank["safety"]["value"] < bank["still"] and bank["gradient"]["value"] > 0.0
     assert bank["shields"]["value"] == bank["shields_in_section"] > 0.0 == bank["current"]
-    words = dict(summary.banks(found.summary["bank"]))
-    assert "1.4 in still water" in words["bank-1: factor of safety"] and "moves the grains" in words["  Shields number"]
+    rows = {row["name"]: row for row in found.summary["answers"]["rows"]}
+    for key, name, limit in (
+        ("safety", "factor of safety", "still"),
+        ("gradient", "exit gradient", "critical"),
+        ("shields", "Shields number", "mobile"),
+    ):
+        row = rows[f"bank bank-1, {name}"]
+        assert row["value"] == bank[key]["value"] and row["formula_value"] == bank[limit]
+        assert f"at x = {bank[key]['x']:.4g} m" in row["note"]
+    assert rows["bank bank-1, excess pore pressure"]["unit"] == "Pa"
+    assert (tmp_path / "run" / "answers.csv").read_text().count("bank bank-1") == 4
 
 
 def test_a_body_without_grains_has_no_shields_number(tmp_path):
@@ -77,9 +86,8 @@ def test_a_body_without_grains_has_no_shields_number(tmp_path):
     found = houle.run(case, tmp_path / "run", progress=False)
     (bank,) = found.summary["bank"]
     assert bank["shields"] is None
-    assert [name for name, _ in summary.banks([bank])] == [
-        "bank-1: factor of safety", "  exit gradient", "  excess pore pressure",
-    ]  # fmt: skip
+    names = [row["name"].partition(", ")[2] for row in found.summary["answers"]["rows"]]
+    assert names == ["factor of safety", "exit gradient", "excess pore pressure"]
 
 
 def test_a_bank_in_a_solid_and_one_of_no_grains_are_told(tmp_path):
@@ -88,8 +96,10 @@ def test_a_bank_in_a_solid_and_one_of_no_grains_are_told(tmp_path):
     assert len(found) == 1 and "lies in solid.wall" in found[0]
     case = dyke() | {"time": {"end": 0.04}, "output": {"every": 0.02, "series_every": 0.02}}
     case["porous"][0]["porosity"] = 1.0
-    (bank,) = houle.run(case, tmp_path / "run", progress=False).summary["bank"]
-    assert "0 < porosity < 1" in bank["problem"] and summary.banks([bank]) == [("bank-1", bank["problem"])]
+    found = houle.run(case, tmp_path / "run", progress=False).summary
+    assert "0 < porosity < 1" in found["bank"][0]["problem"]
+    ((name, why),) = table.lines(found["answers"])
+    assert name == "bank bank-1" and "0 < porosity < 1" in why
 
 
 def test_a_bank_that_faces_right_and_one_in_3d_are_seen_alike():

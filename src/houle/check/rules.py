@@ -21,6 +21,7 @@ from houle.case.messages import guess, place, several
 from houle.case.model import Case
 from houle.case.reading import is_file
 from houle.case.section import CrossSection
+from houle.check.answers import overtopping_resolved
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.finding import Finding
 from houle.check.machine import memory_suffices
@@ -308,5 +309,6 @@ CHECKS = (
     sponges_fit,
     open_sides_fit,
     moving_walls_fit,
+    overtopping_resolved,
     reference_is_there,
 )

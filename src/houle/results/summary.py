@@ -10,6 +10,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from houle.results.answers import table as answers
+from houle.results.answers import until
 from houle.results.seconds import duration
 
 Rows = list[tuple[str, str]]
@@ -106,45 +108,6 @@ def _pascal(value: float) -> str:
     return f"{value:.0f} Pa" if abs(value) < 1e4 else f"{value / 1e3:.1f} kPa"
 
 
-def banks(found: list[dict[str, Any]]) -> Rows:
-    """Rows about the stability of each bank, from the entry of run.json."""
-    return [pair for entry in found for pair in _bank(entry)]
-
-
-def _bank(b: dict[str, Any]) -> Rows:
-    if "problem" in b:
-        return [(b["bank"], b["problem"])]
-    found = [
-        (
-            f"{b['bank']}: factor of safety",
-            f"{_worst(b['safety'])}; {_three(b['still'])} in still water; below 1 for {b['unstable']:.3g} s",
-        ),
-        (
-            "  exit gradient",
-            f"{_worst(b['gradient'])}; {b['critical']:.3g} lifts the grains; above it for {b['lifting']:.3g} s",
-        ),
-        ("  excess pore pressure", _worst(b["excess"], " Pa")),
-    ]
-    if b["shields"] is not None:
-        flow = f"; {b['shields_in_section']:.3g} without the current along the bank" if b["current"] else ""
-        moves = f"{b['mobile']:.3g} moves the grains; above it for {b['moving']:.3g} s{flow}"
-        found.append(("  Shields number", f"{_worst(b['shields'])}; {moves}"))
-    return found
-
-
-def _worst(entry: dict[str, Any], unit: str = "") -> str:
-    """A number with its place and time, or that there is none."""
-    value = entry["value"]
-    return "none" if value is None else f"{_three(value)}{unit} at x = {entry['x']:.4g} m, {entry['time']:.4g} s"
-
-
-def _three(value: float | None) -> str:
-    """A number in three digits at least; run.json holds none for what is infinite."""
-    if value is None:
-        return "none"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
-
-
 def reflection(entry: dict[str, Any]) -> Rows:
     """Rows of the reflection analysis, from its entry in run.json: coefficients, heights, window, notes."""
     if not entry:
@@ -224,8 +187,12 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         ("Energy [J] (per metre of width in 2D)", energy(summary)),
         waves(summary),
         (f"Surface, rms against {label}", against_laboratory(summary)),
+        (
+            f"Answers (in brackets: intervals of {100 * answers.CONFIDENCE:g} %, of formulas their own band)",
+            answers.lines(summary.get("answers") or {}),
+        ),
+        ("How sure time.until asks the answers to be", until.lines(summary.get("until", []))),
         ("Largest pressure at the sensors", pressures(summary.get("pressure", []))),
-        ("Stability of the bank, worst places and times", banks(summary.get("bank", []))),
         ("Reflection", reflection(found) if (found := summary.get("reflection")) else []),
         (
             "Wave quality (the same flume without the structure)",

@@ -94,6 +94,18 @@ class Force(Row):
     about: Point | None = Field(
         default=None, description="point of the moments; middle of the base or foot of the wall when left out [m]"
     )
+    weight: float | None = Field(
+        default=None,
+        gt=0,
+        description="weight of the structure in air, for its safety against sliding and tilting [N/m], 3D [N]",
+    )
+    friction: float | None = Field(
+        default=None, gt=0, le=2, description="friction between its base and the ground, for the safety [-]"
+    )
+    heel: Point2 | None = Field(
+        default=None,
+        description="point [x, z] about which it would tilt; landward corner of its base when left out [m]",
+    )
 
     @model_validator(mode="after")
     def one_thing(self) -> Force:
@@ -107,6 +119,11 @@ class Force(Row):
         if dimension == 2 and self.side in ("front", "back"):
             yield "side", f'= "{self.side}" exists in 3D only; this domain has two sizes'
         yield from _named(self.body, bodies, "porous", "solid")
+        for key in ("weight", "friction", "heel"):
+            if getattr(self, key) is not None and self.body not in bodies["solid"]:
+                yield key, "belongs to a body = ... that is a [[solid]]: remove it"
+        if self.friction is not None and self.weight is None:
+            yield "weight", f"is missing: friction = {self.friction:g} holds no structure without it [N/m]"
 
 
 class Phreatic(Row):
