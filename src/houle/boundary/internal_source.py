@@ -1,7 +1,8 @@
 """A source inside the water: a force that makes waves, the gradient of a potential that is uniform over the depth.
 
 Regular waves of finite height get all their harmonics from the potential of `houle.waves.finite`; a sum of linear
-waves gets the force of JH2020 (4), (5). Section 14 of docs/theory.md has both.
+waves gets the force of JH2020 (4), (5), to second order that of `houle.waves.second_source`. Section 14 of
+docs/theory.md has them.
 """
 
 from __future__ import annotations
@@ -19,10 +20,13 @@ from houle.grid import Faces, FloatArray, Grid
 from houle.medium.medium import Medium
 from houle.waves.dispersion import frequency, group_velocity
 from houle.waves.finite import SHARPNESS, Potential, Spectrum, potential
+from houle.waves.second_order import SecondOrder
+from houle.waves.second_source import Force, half_reach, pair_force
 from houle.waves.wave import Components, Wave, WaveError, ramp
 
 NWOGU = -0.390  # alpha in (24): the constant of the Boussinesq equations of Nwogu (1993)
 WIDTH, NARROW = 1.0, 0.25  # wavelengths: width of a source for regular waves, and for a spectrum with its short waves
+WIDER = 0.5  # wavelengths: width for sums of waves of second order, in which the water does not rise so high
 SHORTEST, LONGEST = 0.3, 16.0  # widths of a source: of a record it makes the waves with lengths between these
 MOST_LEFT_OUT = 0.5  # share of the rms of a record that a source may leave out; the ends of any cut record are some 0.3
 ACTS = 0.75  # widths to each side of a source within which its force exceeds a thousandth of its largest
@@ -247,6 +251,37 @@ class FiniteSource(_Force):
         return np.asarray(np.einsum("xn,ny->xy", shapes, beat, optimize=False).real)
 
 
+@dataclass(eq=False)
+class PairSource(_Force):
+    """The source of a sum of waves to second order, `houle.waves.second_source`, for waves along x.
+
+    first  number of the first face along x that it pushes
+    """
+
+    first: int
+    force: Force
+
+    @classmethod
+    def of(cls, source: Source, wave: SecondOrder, grid: Grid, duration: float) -> PairSource:
+        """The source that makes the wave, in time `duration` [s]."""
+        h, count = grid.spacing[0], grid.shape[0]
+        half = REACH * source.width + wave.depth
+        first, last = max(1, round((source.x - half) / h)), min(count - 1, round((source.x + half) / h))
+        x: FloatArray = np.arange(first, last + 1, dtype=float) * h
+        found = cls(first, pair_force(wave, source.width, source.side, source.x, x, duration))
+        reach = half_reach(source.width, wave.depth)
+        found.acts = source.x - reach, source.x + reach
+        return found
+
+    def touches(self) -> dict[int, slice]:
+        return {0: slice(self.first, self.first + len(self.force.heap))}
+
+    def push(self, t: float, acceleration: Faces) -> None:
+        force = self.force.at(t)
+        here = acceleration[0][self.first : self.first + len(force)]
+        here += force.reshape((-1,) + (1,) * (here.ndim - 1))
+
+
 def _share(x: FloatArray, width: float) -> FloatArray:
     """Kept share of the force of an oblique wave at x: 1 within FADE widths, 0 beyond REACH, a cosine between."""
     way = np.clip((np.abs(x) / width - FADE) / (REACH - FADE), 0.0, 1.0)
@@ -255,7 +290,8 @@ def _share(x: FloatArray, width: float) -> FloatArray:
 
 def source_width(given: float | None, kind: str, wave: Wave) -> float:
     """Width [m] of a source for waves of this kind: as given, else in proportion to the wavelength."""
-    return given or (WIDTH if kind == "regular" else NARROW) * wave.length
+    share = WIDER if isinstance(wave, SecondOrder) else NARROW
+    return given or (WIDTH if kind == "regular" else share) * wave.length
 
 
 def oscillations(wave: Wave, kind: str, width: float) -> Components:
@@ -266,6 +302,11 @@ def oscillations(wave: Wave, kind: str, width: float) -> Components:
     parts = wave.components()
     if parts is None:
         raise WaveError(f"waves.source cannot make a {kind} wave, which is no sum of cosines: take waves.zone")
+    if kind == "series" and isinstance(wave, SecondOrder):
+        raise WaveError(
+            "waves.order = 2: a source does not make records to second order, the set-down in which is longer than it "
+            "can; take waves.zone or waves.piston, or order = 1"
+        )
     if kind == "series" and (share := left_out(parts, width)) > MOST_LEFT_OUT:
         low, high = SHORTEST * width, LONGEST * width
         raise WaveError(
@@ -306,9 +347,11 @@ def require_source(source: Source, kind: str, wave: Wave) -> None:
 
 def make_source(
     source: Source, kind: str, wave: Wave, grid: Grid, duration: float, current: float = 0.0
-) -> InternalSource | FiniteSource:
+) -> InternalSource | FiniteSource | PairSource:
     """The source of waves of this kind, growing in `duration` [s]. Raises WaveError for waves that it cannot make."""
     parts = oscillations(wave, kind, source.width)
+    if isinstance(wave, SecondOrder):
+        return PairSource.of(source, wave, grid, duration)
     if is_finite(source, kind, parts):
         return FiniteSource.of(wave, grid, source.x, source.width, source.side, duration)
     if kind == "regular":
@@ -318,7 +361,7 @@ def make_source(
 
 def _make(
     case: Surroundings, grid: Grid, medium: Medium, water: Particles, *, source: Source, kind: str, current: float
-) -> InternalSource | FiniteSource:
+) -> InternalSource | FiniteSource | PairSource:
     assert case.wave is not None
     return make_source(source, kind, case.wave, grid, case.ramp, current)
 

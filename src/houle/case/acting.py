@@ -11,6 +11,9 @@ from houle.case.model import Case
 from houle.case.tables.waves import Piston, Waves, Zone
 from houle.waves.paddle import PaddleWave
 from houle.waves.piston import Law, Reading, law_of, reading_of
+from houle.waves.second_order import SecondOrder
+from houle.waves.second_piston import pair_motion
+from houle.waves.second_source import half_reach
 from houle.waves.wave import Wave
 
 NEARBY = 3.0  # depths in front of a piston over which the depth has to be even
@@ -30,6 +33,8 @@ def law_of_piston(case: Case, wave: Wave) -> tuple[Law, Reading, float]:
     read = reading_of(wave, wave.depth, wave.gravity)
     if isinstance(wave, PaddleWave):
         return wave.motion, read, rest
+    if isinstance(wave, SecondOrder):
+        return pair_motion(wave, rest, read, waves.ramp_time(), waves.piston.absorb), read, rest
     return law_of(wave, rest, read, waves.ramp_time(), regular=waves.kind == "regular"), read, rest
 
 
@@ -48,7 +53,8 @@ def reach(case: Case, wave: Wave) -> Reach:
         return maker.x
     if isinstance(maker, Piston):
         return maker.x, maker.x + NEARBY * wave.depth
-    half = ACTS * source_of(case.waves, wave).width
+    width = source_of(case.waves, wave).width
+    half = half_reach(width, wave.depth) if isinstance(wave, SecondOrder) else ACTS * width
     return maker.x - half, maker.x + half
 
 

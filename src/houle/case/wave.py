@@ -7,14 +7,16 @@ from pathlib import Path
 
 from houle.case.ship import passage_of
 from houle.case.tables.ship import Ship
-from houle.case.tables.waves import Waves
+from houle.case.tables.waves import PASSING, Waves
 from houle.data.csv_table import columns_in
 from houle.data.files import require_file
 from houle.data.history import History, read_history
 from houle.waves import record, spectra, theories
 from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
+from houle.waves.linear import Linear
 from houle.waves.paddle import PaddleWave, RecordedMotion, elevation, require_moves
+from houle.waves.second_order import SecondOrder
 from houle.waves.ship import ShipWave
 from houle.waves.ship import record as incident_record
 from houle.waves.wave import THEORIES, Wave, WaveError
@@ -25,7 +27,9 @@ MOTIONS = {"displacement": "displacement_m", "velocity": "velocity_m_s"}  # colu
 
 
 def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path(), ship: Ship | None = None) -> Wave:
-    """The wave of the table. Raises WaveError where no theory gives it. folder: that of its file; ship: [ship].
+    """The wave of the table, to its order. Raises WaveError where no theory gives it.
+
+    folder: that of its file; ship: [ship].
 
     A regular wave has a crest at x = 0 at t = 0. A series is the elevation at the maker (`Waves.place`), and its time
     `start` is t = 0. The crest of a solitary wave comes to its focus, or else starts well before the maker. The waves
@@ -37,7 +41,8 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path(), ship: Sh
     if table.kind == "series":
         known = read_record(table, folder)
         eta = known.values[0]
-        return record.series(known.time, eta, table.depth, gravity, angle, place=along * table.place, current=current)
+        place, order = along * table.place, table.order
+        return record.series(known.time, eta, table.depth, gravity, angle, place, current=current, order=order)
     if table.kind == "paddle":
         quantity, known = read_motion(table, folder)
         rests = known.resting(True, rest_of(quantity))
@@ -69,7 +74,7 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path(), ship: Sh
             crest = table.focus.x - wave.celerity * table.focus.time
         return moved(single(height, table.depth, gravity, crest, angle), current)
     if table.kind == "focused" and table.focus is not None:
-        return spectra.focused(
+        group = spectra.focused(
             height,
             period,
             table.depth,
@@ -81,9 +86,16 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path(), ship: Sh
             table.gamma,
             current=current,
         )
-    return spectra.irregular(
+        return _ordered(table, group)
+    sea = spectra.irregular(
         table.kind, height, period, table.depth, gravity, angle, table.seed, table.gamma, current=current
     )
+    return _ordered(table, sea)
+
+
+def _ordered(table: Waves, wave: Linear) -> Linear:
+    """A sum of linear waves to the order of the table; a group comes and goes, a sea is always there."""
+    return SecondOrder.of_linear(wave, closed=table.kind not in PASSING) if table.order == 2 else wave
 
 
 def read_record(table: Waves, folder: Path = Path()) -> History:

@@ -25,7 +25,7 @@ from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
 from houle.check.rules import require
 from houle.check.scale import sheet
 from houle.check.ship import ship_rows
-from houle.check.wave_theory import assess
+from houle.check.wave_theory import assess, bound
 from houle.data.history import Record
 from houle.errors import CaseError
 from houle.grid import axes
@@ -148,7 +148,8 @@ def wave_rows(case: Case) -> list[tuple[str, str]]:
     assert case.waves is not None
     numbers = [text for level, text in assess(wave, max(case.domain.grid.spacing)) if level == "info"]
     names = ("theory", "size", "limits", "on the grid") if len(numbers) == 4 else ("theory", *[""] * (len(numbers) - 1))
-    rows = [("wave", _wave(case)), *zip(names, numbers, strict=True), ("made by", _maker(case, wave))]
+    told = [("bound waves", words)] if (words := bound(wave)) else []
+    rows = [("wave", _wave(case)), *zip(names, numbers, strict=True), *told, ("made by", _maker(case, wave))]
     return [rows[0], ("current", _current(case.waves.current, wave)), *rows[1:]] if case.waves.current else rows
 
 

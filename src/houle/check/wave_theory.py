@@ -12,8 +12,9 @@ import numpy as np
 
 from houle.waves import dispersion
 from houle.waves.cnoidal import Cnoidal
-from houle.waves.limits import limits
+from houle.waves.limits import limits, ursell
 from houle.waves.linear import Linear
+from houle.waves.second_order import Kernel, SecondOrder
 from houle.waves.stokes import URSELL, second_harmonic
 from houle.waves.wave import Wave
 
@@ -24,12 +25,33 @@ CELLS_PER_LENGTH = (20.0, 50.0)  # cells in a wavelength: fewer are refused; few
 CELLS_PER_HEIGHT = 0.2  # least without a warning: with it C_R, C_T of 36 blocks were within 0.02, heights within 0.5 %
 MATTERS = 0.02  # share of the first harmonic: smaller harmonics do not matter
 BENT = 0.03  # second harmonic over wave height from which on an airy wave is warned of
+SPECTRA = ("jonswap", "pierson-moskowitz", "tma", "focused")  # kinds of waves that a spectrum gives
+SECOND = 0.25  # bound second harmonic over the first from which on a sum of waves of second order is warned of
 NEAR = 0.8  # share of the breaking limit from which on a wave is warned of
 
 
 def assess(wave: Wave, spacing: float) -> list[Told]:
     """All that there is to say about a wave on a grid of this spacing [m]: its numbers as infos, then the findings."""
     return [*_numbers(wave, spacing), *_breaking(wave), *_theory(wave), *_resolution(wave, spacing)]
+
+
+def bound(wave: Wave) -> str:
+    """The bound waves of a sea or a group, and what first order makes of them, in words; "" for other waves.
+
+    Records are told of at second order only: of many the linear waves are not known without it, nor a peak.
+    """
+    if not isinstance(wave, Linear) or not (wave.name in SPECTRA or isinstance(wave, SecondOrder)):
+        return ""
+    second = wave if isinstance(wave, SecondOrder) else SecondOrder.of_linear(wave, closed=True)
+    sums, differences = second.sizes
+    height = 4 * float(np.sqrt(np.sum(wave.parts.moving.amplitude**2) / 2))
+    told = (
+        f"Hm0 = {sums:.2g} m at the sums of frequencies ({sums / height:.1%}), {differences:.2g} m at the differences "
+        f"({differences / height:.1%})"
+    )
+    if wave is second:
+        return f"{told}; made with the waves"
+    return f"{told}; order = 1 makes free waves as high with them, which run away from them; order = 2 does not"
 
 
 def _solitary(wave: Wave) -> bool:
@@ -126,7 +148,9 @@ def _theory(wave: Wave) -> list[Told]:
                 f"2 % of the depth and more; give a height below {0.5 * wave.depth:.3g} m",
             )
         )
-    if isinstance(wave, Linear) and len(wave.parts.k) > 1 and _crest_to_trough(wave) > 0.4 * wave.depth:
+    if isinstance(wave, SecondOrder):
+        said += _second_order(wave)
+    elif isinstance(wave, Linear) and len(wave.parts.k) > 1 and _crest_to_trough(wave) > 0.4 * wave.depth:
         said.append(
             (
                 "warning",
@@ -135,6 +159,29 @@ def _theory(wave: Wave) -> list[Told]:
             )
         )
     return said
+
+
+def _second_order(wave: SecondOrder) -> list[Told]:
+    """The bound waves are small beside the waves that they are bound to: else the expansion has false crests.
+
+    The bound harmonic of a wave of height Hm0 and the peak period is compared, k H (3 - s^2)/(8 s^3) with s = tanh k d:
+    from a quarter of the wave on its troughs have a crest of their own.
+    """
+    omega = np.array([wave.peak])
+    k = float(dispersion.wave_number(wave.peak, wave.depth, wave.gravity))
+    height = _crest_to_trough(wave)
+    level = float(Kernel.of(omega, omega, wave.depth, wave.gravity, 1).level[0]) * height / 2
+    if level <= SECOND:
+        return []
+    return [
+        (
+            "warning",
+            f"waves: kh = {k * wave.depth:.3g}, Ursell number {ursell(height, 2 * pi / k, wave.depth):.3g}: the "
+            f"bound second harmonic of a wave of {height:.3g} m is {level:.0%} of it, above {SECOND:.0%}, where second "
+            f"order ends: its troughs have crests; heights below {height * SECOND / level:.2g} m, or make the waves in "
+            "deeper water",
+        )
+    ]
 
 
 def _cnoidal(wave: Wave) -> list[Told]:

@@ -129,33 +129,33 @@ def focused(
 KINDS.add(
     Kind(
         "jonswap",
-        "Random sea, linear, 200 components at seeded random frequencies and phases.",
+        "Random sea, 200 components at seeded random frequencies and phases.",
         "Hm0/d below 0.4",
         "Hasselmann et al. (1973)",
         needs=("height", "period"),
-        takes=("seed", "gamma"),
+        takes=("seed", "gamma", "order"),
         place=2,
     )
 )
 KINDS.add(
     Kind(
         "pierson-moskowitz",
-        "Random sea, linear, fully grown: JONSWAP with gamma = 1.",
+        "Random sea, fully grown: JONSWAP with gamma = 1.",
         "deep water",
         "Pierson & Moskowitz (1964)",
         needs=("height", "period"),
-        takes=("seed",),
+        takes=("seed", "order"),
         place=3,
     )
 )
 KINDS.add(
     Kind(
         "tma",
-        "Random sea, linear: JONSWAP in finite depth.",
+        "Random sea: JONSWAP in finite depth.",
         "Hm0/d below 0.4",
         "Bouws et al. (1985)",
         needs=("height", "period"),
-        takes=("seed", "gamma"),
+        takes=("seed", "gamma", "order"),
         place=4,
     )
 )
@@ -163,10 +163,10 @@ KINDS.add(
     Kind(
         "focused",
         "NewWave: the likeliest shape of a high crest, at a given place and time; height is the crest above the level.",
-        "linear",
+        "linear, or order = 2",
         "Tromans, Anaturk & Hagemeijer (1991)",
         needs=("height", "period", "focus"),
-        takes=("seed", "gamma"),
+        takes=("seed", "gamma", "order"),
         place=5,
     )
 )

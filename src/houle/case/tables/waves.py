@@ -14,7 +14,18 @@ from houle.case.tables.base import OneOf, Point2, Table
 from houle.registry import choices
 from houle.waves.wave import GAMMA
 
-CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # keys of some kinds only
+CHOSEN = (
+    "theory",
+    "height",
+    "period",
+    "seed",
+    "gamma",
+    "file",
+    "start",
+    "gap",
+    "focus",
+    "order",
+)  # keys of some kinds only
 MAKERS = ("source", "zone", "piston")
 PASSING = ("solitary", "focused", "series", "paddle", "ship")  # kinds whose waves pass once: they have no steady window
 
@@ -33,7 +44,8 @@ class Source(Table):
     width: float | None = Field(
         default=None,
         gt=0,
-        description="width; a wavelength when left out, a quarter of that of the peak for spectra [m]",
+        description="width; a wavelength when left out, a quarter of that of the peak for spectra, half of it with "
+        "order = 2 [m]",
     )
     form: Literal["finite", "linear", "boussinesq"] = Field(
         default="finite",
@@ -106,6 +118,11 @@ class Waves(Table):
     )
     seed: int = Field(default=1, ge=0, description="seed of the random phases and frequencies: same seed, same sea")
     gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap, tma and focused [-]")
+    order: Literal[1, 2] = Field(
+        default=1,
+        description="order of a sum of waves: 1, each by itself; 2, with the waves bound to every pair of them, "
+        "at the sum and at the difference of their frequencies (set-down under groups, sharp crests)",
+    )
     file: str | None = Field(
         default=None,
         description="CSV beside the case file: of a series columns t_s, eta_m, the elevation above still water at the "
@@ -156,6 +173,12 @@ class Waves(Table):
             found.append(
                 f"height = {self.height:g} is above depth = {self.depth:g} m: no wave stands higher than 0.83 depths; "
                 "both are in metres"
+            )
+        if self.order == 2 and self.direction:
+            found.append(f"order = 2: waves along x only, but direction = {self.direction:g}; remove one of them")
+        if self.order == 2 and self.source is not None and self.source.form != "finite":
+            found.append(
+                f'order = 2: source.form = "{self.source.form}" makes linear waves; leave it out, or give order = 1'
             )
         if self.kind == "paddle":
             found += self._unfit_for_a_paddle(given)
