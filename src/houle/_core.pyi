@@ -237,6 +237,9 @@ def affine_from(
 ) -> None:
     """APIC's velocity gradient at the particles."""
 
+def wall_shear(speed: float, distance: float, nu: float, roughness: float) -> float:
+    """Shear stress of a wall per unit density, by the law of the wall [m2/s2]."""
+
 def kinetic_energy(
     bulk: numpy.typing.NDArray[numpy.float64],
     inertia: numpy.typing.NDArray[numpy.float32] | None,
@@ -380,6 +383,22 @@ def viscous_acceleration(
     out: Sequence[numpy.typing.NDArray[numpy.float64]],
 ) -> None:
     """Viscous acceleration of the faces [m/s2]."""
+
+def rub(
+    grid: Grid2 | Grid3,
+    walls: tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]],
+    start: numpy.typing.NDArray[numpy.int32],
+    position: numpy.typing.NDArray[numpy.float64],
+    volume: numpy.typing.NDArray[numpy.float64],
+    bulk: numpy.typing.NDArray[numpy.float64],
+    inertia: numpy.typing.NDArray[numpy.float32] | None,
+    fill: numpy.typing.NDArray[numpy.float64],
+    nu: float,
+    dt: float,
+    velocity: numpy.typing.NDArray[numpy.float64],
+    impulse: numpy.typing.NDArray[numpy.float64],
+) -> float:
+    """Slows particles down along the walls near them, by the law of the wall. Returns the energy taken per unit density."""
 
 def face_kinetic_energy(
     grid: Grid2 | Grid3,

@@ -1,7 +1,7 @@
 // Viscous acceleration on the faces of the grid, with an optional Smagorinsky eddy viscosity.
 #pragma once
 
-#include <houle/grid/grid.hpp>
+#include <houle/water/friction.hpp>
 
 namespace houle {
 
@@ -44,26 +44,6 @@ void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double 
     nu[c] = molecular + filter * filter * std::sqrt(sum);
   });
 }
-
-// Shear stress over density [m2/s2] of a smooth wall on water that runs along it with speed v at distance y. In the
-// viscous sublayer it is nu v / y; above it, it follows from the law of the wall, v / v_* = ln(9.8 y v_*/nu) / 0.41
-// (Nikuradse 1932; as in Launder & Spalding 1974, Comput. Methods Appl. Mech. Eng. 3, 269).
-inline double wall_shear(double v, double y, double nu) {
-  constexpr double karman = 0.41, smooth = 9.8, sublayer = 11.53;  // y v_*/nu where both laws meet
-  if (nu <= 0.0) return 0.0;
-  const double re = std::abs(v) * y / nu;
-  if (!(re > sublayer * sublayer)) return nu * v / y;
-  double s = sublayer;  // y v_*/nu: root of s ln(9.8 s) = karman re, convex, by Newton's method
-  for (int k = 0; k < 8; ++k) {
-    const double l = std::log(smooth * s);
-    s = (karman * re + s) / (l + 1.0);
-  }
-  return v * std::abs(v) * (s / re) * (s / re);
-}
-
-// The least thickness [cells] of a sheet of water that runs along a wall: thinner ones count as this, as they would ask
-// for shorter steps.
-constexpr double thinnest_sheet = 0.25;
 
 // Viscous acceleration on the faces, nu lap(u_d) / n (13), of second order, with zero gradient towards empty faces: out
 // [m/s2]. no_slip[2a], [2a+1]: true if the low and the high wall of axis a hold the water, else it slips. A wall that

@@ -57,6 +57,8 @@ def build(case: Case) -> Setup:
         numerics=Numerics(**case.numerics.model_dump()),
         time=TimeControl(case.time.end, case.time.courant, case.time.step, viscous_step(case)),
         no_slip=case.domain.walls.no_slip(d),
+        rough=tuple(entry.roughness for entry in case.solid),
+        rough_sides=case.domain.walls.rough(d),
         settles=not any(BOUNDARIES[key].divides for key, _ in case.standing),
         boundaries=_boundaries(case, wave),
         instruments=instruments(case),

@@ -50,6 +50,21 @@ def sph_viscosity(flow: Flow, dt: float, ledger: Ledger) -> None:
     ledger.viscous_work += before - flow.kinetic_energy()
 
 
+def rub(flow: Flow, dt: float, ledger: Ledger) -> None:
+    """Slows the particles near walls that rub, by the law of the wall over dt [s]: core/houle/water/friction.hpp.
+
+    The particles are sorted. On return flow.impulse is what the planes of flow.walls got, and the energy is booked.
+    """
+    if flow.walls is None:
+        return
+    p, (cell, first, front, plane, _) = flow.particles, flow.walls
+    with ledger.operation("forces"):
+        ledger.friction_work += _core.rub(
+            flow.grid.core, (cell, first, front, plane), flow.start, p.position, p.volume, flow.bulk, flow.inertia,
+            flow.fill, flow.viscosity, dt, p.velocity, flow.impulse,
+        )  # fmt: skip
+
+
 def make_waves(flow: Flow, acceleration: Faces) -> Faces:
     """The accelerations of the faces [m/s2] together with those by which boundaries push the water, as makers do.
 

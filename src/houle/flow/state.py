@@ -25,6 +25,7 @@ from houle.grid import Core, Faces, FloatArray, Grid, Listed, spread, widened
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
 from houle.medium.medium import Medium
+from houle.medium.rough_walls import RoughWalls
 from houle.medium.shapes import Box
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class Flow(Tank):
     tolerance     largest max |div u_d| dt that the projection may leave [-]
     viscosity     kinematic viscosity [m2/s]; smagorinsky: constant C_s of the eddy viscosity [-]
     no_slip       per axis: whether the low and the high wall hold the water back along them
+    walls         the walls that rub, of solids and sides of the tank; None where none does
     boundaries    in the order in which they act
 
     A flow is *arranged* when its particles are sorted by cell, the medium is sampled where they are, and the free
@@ -63,6 +65,7 @@ class Flow(Tank):
         viscosity: float = 0.0,
         smagorinsky: float = 0.0,
         no_slip: tuple[tuple[bool, bool], ...] | None = None,
+        walls: RoughWalls | None = None,
         boundaries: Sequence[Boundary] = (),
     ) -> None:
         super().__init__(grid, medium, particles, gravity)
@@ -70,6 +73,9 @@ class Flow(Tank):
         self.tolerance = tolerance
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
+        self.walls = walls
+        self.impulse = np.zeros((0 if walls is None else len(walls.plane), grid.dimension))  # that each plane of `walls`
+        # got in the last step, over density [m^d m/s]
         self.porous = bool(np.any(medium.porosity < 1.0))
         self.column_porosity = column_pores(grid, medium)
 

@@ -15,9 +15,9 @@ from houle.flow.observer import Instrument, Now, Observer, Sample, Site
 from houle.flow.state import Flow
 from houle.grid import FloatArray, axes
 from houle.medium.integrals import Measure, over_cells
+from houle.medium.patches import SIDES, Patches, Surfaces
 from houle.medium.sections import partition
 from houle.observe.levels import wet_share
-from houle.observe.patches import SIDES, Patches, patches_of_side, patches_of_solid
 from houle.observe.points import cell_below, still_gravity
 
 Load = tuple[FloatArray, FloatArray]  # force / rho, moment / rho
@@ -50,13 +50,14 @@ class Force(Instrument):
 
     def place(self, site: Site, flow: Flow) -> SurfaceLoad | BodyLoad:
         """The structure in a flow: a surface or a body, which gives its load."""
-        about, body = np.array(self.centre(site)), self.body or ""
+        about, body, medium = np.array(self.centre(site)), self.body or "", flow.medium
+        surfaces = Surfaces(flow.grid, medium.open_cells, medium.bodies, medium.solids)
         if self.side is not None:
-            return SurfaceLoad(flow, patches_of_side(flow, self.side), about)
+            return SurfaceLoad(flow, surfaces.of_side(self.side), about)
         if body in site.porous:
             return BodyLoad(flow, list(site.porous).index(body), about)
-        solid = flow.medium.solids[list(site.solid).index(body)]
-        return SurfaceLoad(flow, patches_of_solid(flow, solid), about)
+        solid = medium.solids[list(site.solid).index(body)]
+        return SurfaceLoad(flow, surfaces.of_solid(solid), about)
 
 
 class Forces(Observer[Force]):
