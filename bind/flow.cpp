@@ -198,15 +198,15 @@ static void bind_forces(nb::module_& m) {
   define(
       m, "viscous_acceleration",
       [](G g, Givens u, Givens mass, double least, double molecular, OptionalGiven nu, OptionalListed porosity,
-         std::array<bool, 2 * D> no_slip, Fields out) {
+         Fields out) {
         const double* eddies = cells(g, nu, "nu");
         const Listed pores = listed_of(g, porosity, "porosity");
         const auto uu = faces(g, u, "u"), mm = faces(g, mass, "mass");
         const auto oo = faces(g, out, "out");
         nb::gil_scoped_release release;
-        viscous_acceleration<D>(g, uu, mm, least, molecular, eddies, pores, no_slip.data(), oo);
+        viscous_acceleration<D>(g, uu, mm, least, molecular, eddies, pores, oo);
       },
-      "grid"_a, "u"_a, "mass"_a, "least"_a, "molecular"_a, "nu"_a.none(), "porosity"_a.none(), "no_slip"_a, "out"_a,
+      "grid"_a, "u"_a, "mass"_a, "least"_a, "molecular"_a, "nu"_a.none(), "porosity"_a.none(), "out"_a,
       "Viscous acceleration of the faces [m/s2].");
   define(
       m, "rub",
@@ -457,7 +457,6 @@ static void bind_step(nb::module_& m) {
 }
 
 void bind_flow(nb::module_& m) {
-  m.attr("thinnest_sheet") = thinnest_sheet;
   define(
       m, "wall_shear",
       [](double v, double y, double nu, double roughness) { return wall_shear(v, y, nu, roughness); }, "speed"_a,

@@ -69,15 +69,16 @@ struct Rubbed {
 inline double wall_share(double d, double h) { return std::clamp(1.5 - d / h, 0.0, 1.0); }
 
 // Slows particles near walls down over dt by the shear of the wall, in place: their velocity u along the wall falls by
-// the factor 1 / (1 + r dt), r = tau / (v s) times wall_share(), with the shear tau of the speed v in a layer as thick
-// as a cell or the thinner sheet s that there is. So no velocity turns around, and the water only loses energy. The
-// middle of the layer, at 13/24 s, is the mean distance of its water: in a linear profile tau is exact.
+// the factor 1 / (1 + r dt), r = tau / (v s) times wall_share(), in a layer as thick as a cell or the thinner sheet s
+// that there is. So no velocity turns around, and the water only loses energy. tau is the shear at the distance of the
+// particle, but no nearer than s/2: there the velocity of faces, which particles have, changes no more. So it is exact
+// in a profile that follows the law, be it linear or logarithmic.
 // Particles in pores are left alone: there the grains rub. impulse (planes, D): what the walls got over density [m^d
 // m/s]. Returns the energy taken over density.
 template <int D>
 double rub(const Grid<D>& g, const RoughWalls<D>& walls, const Rubbed<D>& water, double nu, double dt, double* u,
            double* impulse) {
-  constexpr double middle = 13.0 / 24.0, behind = 0.25, clear = 0.999;
+  constexpr double behind = 0.25, clear = 0.999;
   const auto taken = parallel_values(walls.count, [=](index row) {
     double sum = 0.0;
     const index c = walls.cell[row];
@@ -102,7 +103,7 @@ double rub(const Grid<D>& g, const RoughWalls<D>& walls, const Rubbed<D>& water,
         }
         const double v = std::sqrt(v2);
         if (!(v > 0.0)) continue;
-        const double rate = share * wall_shear(v, middle * sheet, nu, wall.roughness) / (v * sheet),
+        const double rate = share * wall_shear(v, std::max(d, 0.5 * sheet), nu, wall.roughness) / (v * sheet),
                      lost = rate * dt / (1.0 + rate * dt);
         for (int a = 0; a < D; ++a) {
           const double change = lost * along[a], mass = bulk * (water.inertia ? water.inertia[D * p + a] : 1.0);

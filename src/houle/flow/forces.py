@@ -24,7 +24,7 @@ def viscosity(flow: Flow, dt: float, ledger: Ledger) -> Faces:
         _core.eddy_viscosity(core, flow.velocity, flow.viscosity, flow.smagorinsky, flow.nu)
     _core.viscous_acceleration(
         core, flow.velocity, flow.work.face_mass, SPRAY * flow.grid.cell_volume, flow.viscosity, flow.nu,
-        flow.listed("porosity"), flow.no_slip, acceleration,
+        flow.listed("porosity"), acceleration,
     )  # fmt: skip
     ledger.viscous_work -= dt * _core.face_power(core, flow.work.face_mass, flow.velocity, acceleration)
     return acceleration

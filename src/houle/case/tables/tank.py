@@ -13,6 +13,7 @@ from houle.grid import Grid
 from houle.medium.resistance import LAWS
 
 SIDES = ("left", "right", "front", "back", "bottom", "top")
+SIDES_2D = ("left", "right", "bottom", "top")
 MOST_CELLS = 1e15  # most cells in a domain: more cannot be counted; the checks say whether memory holds them
 
 
@@ -76,10 +77,20 @@ class Walls(Table):
         chosen = pairs if dimension == 3 else [pairs[0], pairs[2]]
         return tuple((getattr(self, a) == "no-slip", getattr(self, b) == "no-slip") for a, b in chosen)
 
-    def rough(self, dimension: int) -> dict[str, float]:
-        """The sides that rub by their roughness [m]; in 2D those of the section."""
-        sides = {side: getattr(self, side) for side in SIDES if dimension == 3 or side not in ("front", "back")}
-        return {side: given.roughness for side, given in sides.items() if isinstance(given, Rough)}
+    def rough(self, dimension: int, smooth: bool) -> dict[str, float]:
+        """The sides that rub and their roughness [m], in 2D those of the section; smooth: "no-slip" is roughness 0."""
+        found = {}
+        for side in SIDES if dimension == 3 else SIDES_2D:
+            given = getattr(self, side)
+            if isinstance(given, Rough):
+                found[side] = given.roughness
+            elif smooth and given == "no-slip" and not self._joined(side):
+                found[side] = 0.0
+        return found
+
+    def _joined(self, side: str) -> bool:
+        """Whether a side is joined with the opposite one."""
+        return bool((self.x and side in ("left", "right")) or (self.y and side in ("front", "back")))
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
