@@ -47,7 +47,10 @@ def test_against_the_twin(grid, random):
     roughness = random.choice([0.0, 1e-4, 0.3], len(normal))
     plane = np.column_stack([normal, (normal * middle).sum(axis=1), roughness])
     front = random.integers(0, grid.cells().size, len(normal))
-    u, fill = random.choice([1e-4, 1.0, 30.0], (n, 1)) * random.normal(size=(n, d)), random.uniform(-0.1, 1.2, grid.shape)
+    u, fill = (
+        random.choice([1e-4, 1.0, 30.0], (n, 1)) * random.normal(size=(n, d)),
+        random.uniform(-0.1, 1.2, grid.shape),
+    )
     volume = random.uniform(0.1, 1.0, n)
     bulk = np.where(random.random(n) < 0.8, volume, 2.0 * volume)
     inertia = random.choice([1.0, 1.5], (n, d)).astype(np.float32) if random.random() < 0.5 else None
@@ -77,7 +80,7 @@ def test_a_smooth_wall(speed):
 
 @pytest.mark.parametrize("share", [2e-3, 0.05, 0.5])
 def test_a_rough_wall(share):
-    """Where k_s v_*/nu > 1000, v / v_* = ln(30 y / k_s) / 0.41; the viscosity does not matter, and there may be none."""
+    """Where k_s v_*/nu > 1000, v / v_* = ln(30 y / k_s) / 0.41; viscosity does not matter, and there may be none."""
     y, speed = 0.05, 30.0
     scale = np.sqrt(_core.wall_shear(speed, y, NU, share * y))
     assert share * y * scale / NU > 80

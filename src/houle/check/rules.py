@@ -23,6 +23,7 @@ from houle.case.reading import is_file
 from houle.case.section import CrossSection
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.finding import Finding
+from houle.check.friction import friction_counts
 from houle.check.machine import memory_suffices
 from houle.check.waves import sponges_fit, waves_fit
 from houle.errors import CaseError, metres
@@ -306,5 +307,6 @@ CHECKS = (
     sponges_fit,
     open_sides_fit,
     moving_walls_fit,
+    friction_counts,
     reference_is_there,
 )

@@ -57,10 +57,10 @@ def rub(flow: Flow, dt: float, ledger: Ledger) -> None:
     """
     if flow.walls is None:
         return
-    p, (cell, first, front, plane, _) = flow.particles, flow.walls
+    p, walls = flow.particles, flow.walls
     with ledger.operation("forces"):
         ledger.friction_work += _core.rub(
-            flow.grid.core, (cell, first, front, plane), flow.start, p.position, p.volume, flow.bulk, flow.inertia,
+            flow.grid.core, walls[:4], flow.start, p.position, p.volume, flow.bulk, flow.inertia,
             flow.fill, flow.viscosity, dt, p.velocity, flow.impulse,
         )  # fmt: skip
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from houle.grid import FloatArray, Grid, fixed, spread
-from houle.medium.patches import Patches, Surfaces
+from houle.medium.patches import SIDES, Patches, Surfaces
 from houle.medium.shapes import Shape
 
 REACH = 1.5  # cells: how far from a wall water is slowed down
@@ -34,13 +34,15 @@ class RoughWalls(NamedTuple):
     first  (C + 1,) int64 first plane of each cell
     front  (K,) int64 cell whose fill tells how thick the water on a plane is: it holds the point half a cell before it
     plane  (K, d + 2) normal into the water [-], its product with the points of the plane [m], roughness k_s [m]
-    wall   (K,) int64 number of the wall that each plane belongs to: solids as in the case, then the sides given
+    foot   (K, d) point of the plane that is nearest to the centre of the cell [m]
+    wall   (K,) int64 number of the wall that each plane belongs to: of the solid, or of the side (`number_of_side`)
     """
 
     cell: NDArray[np.int64]
     first: NDArray[np.int64]
     front: NDArray[np.int64]
     plane: FloatArray
+    foot: FloatArray
     wall: NDArray[np.int64]
 
     @classmethod
@@ -51,7 +53,7 @@ class RoughWalls(NamedTuple):
         the tank that rub, by their names.
         """
         rough = [(n, k, surfaces.of_solid(solid)) for n, solid, k in _rubbing(surfaces.solids, solids)]
-        rough += [(len(solids) + n, k, surfaces.of_side(side)) for n, (side, k) in enumerate(sides.items())]
+        rough += [(number_of_side(side), k, surfaces.of_side(side)) for side, k in sides.items()]
         rough = [entry for entry in rough if len(entry[2].cell)]
         if not rough:
             return None
@@ -85,8 +87,14 @@ class RoughWalls(NamedTuple):
             fixed(np.concatenate([[0], np.cumsum(count[count > 0])]).astype(np.int64)),
             fixed(_open_cell(grid, open_cells, before, cells[row[order]]).astype(np.int64)),
             np.ascontiguousarray(np.column_stack([normal, offset, roughness[patch]])),
+            foot,
             wall[patch].astype(np.int64),
         )
+
+
+def number_of_side(side: str) -> int:
+    """Number by which the planes of a side of the tank are known: -1, -2, ..."""
+    return -1 - list(SIDES).index(side)
 
 
 class _Planes(NamedTuple):
@@ -138,14 +146,16 @@ def _nearest(grid: Grid, patches: Patches, cells: Numbers, known: Sequence[_Plan
     return _Planes(row, *(field[row] for field in best))
 
 
-def _pairs(
-    grid: Grid, patches: Patches, cells: Numbers
-) -> Iterator[tuple[Numbers, Numbers, FloatArray, FloatArray]]:
-    """Pairs of cells and patches up to two cells apart: row in `cells`, patch, centre, and how far the centre was moved.
+def _pairs(grid: Grid, patches: Patches, cells: Numbers) -> Iterator[tuple[Numbers, Numbers, FloatArray, FloatArray]]:
+    """Pairs of cells and patches up to two cells apart: row in `cells`, patch, centre, and how far it was moved.
 
     Across the seam of a periodic axis the centre (N, d) stands beside the patch, and is moved (N, d) from its cell [m].
     """
-    at, size, n = np.stack(np.unravel_index(patches.cell, grid.shape), axis=1), np.array(grid.size), np.array(grid.shape)
+    at, size, n = (
+        np.stack(np.unravel_index(patches.cell, grid.shape), axis=1),
+        np.array(grid.size),
+        np.array(grid.shape),
+    )
     for step in product(range(-2, 3), repeat=grid.dimension):
         there = at + step
         turns = np.where(grid.periodic, there // n, 0)

@@ -1,0 +1,154 @@
+"""Friction of beds, walls and solids in runs: exact laminar flows, books, forces, and what a side and a solid share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from situations import copy_state, differing, run, simulation
+
+from houle.flow.simulation import Simulation
+
+NU = 0.02  # [m2/s] of the laminar flows
+DRIVE = 0.04  # [m/s2] that pushes them
+
+
+def channel(cells: int, floor: int, **more: Any) -> Simulation:
+    """A channel of 0.5 m, endless along x, between solids `floor` cells thick; 0: sides of the tank."""
+    h = 0.5 / cells
+    height, length = (cells + 2 * floor) * h, 4 * h
+    side = "slip" if floor else "no-slip"
+    solids = [{"box": [[0.0, z], [length, z + floor * h]], "roughness": 0.0} for z in (0.0, height - floor * h)]
+    case = {
+        "case": {"name": "channel"},
+        "domain": {"size": [length, height], "spacing": h, "walls": {"x": "periodic", "bottom": side, "top": side}},
+        "fluid": {"viscosity": NU, "gravity": 0.0, "acceleration": [DRIVE, 0.0]},
+        "water": [{"box": [[0.0, floor * h], [length, height - floor * h]]}],
+        "solid": solids if floor else [],
+        "time": {"end": 100.0},
+    }
+    return simulation(case, **more)
+
+
+def mean_velocity(sim: Simulation, axis: int = 0) -> float:
+    p = sim.particles
+    return float(p.volume @ p.velocity[:, axis] / p.volume.sum())
+
+
+@pytest.mark.parametrize("floor", [0, 3])
+def test_poiseuille_flow_between_sides_and_between_solids(floor):
+    """Mean velocity G a^2/(12 nu) from a plug of that, of second order: 1 % with ten cells."""
+    sim, exact = channel(10, floor), DRIVE * 0.25 / (12.0 * NU)
+    sim.particles.velocity[:, 0] = exact
+    run(sim, 10000, until=0.5 * 0.25 / NU)
+    assert mean_velocity(sim) == pytest.approx(exact, rel=0.012)
+    z = sim.particles.position[:, 1] - 0.05 * floor
+    parabola = DRIVE / (2.0 * NU) * z * (0.5 - z)
+    np.testing.assert_allclose(sim.particles.velocity[:, 0], parabola, atol=0.08 * exact)
+
+
+def test_a_side_and_a_solid_hold_the_water_alike():
+    """The same channel between sides and between solids: the same velocities to a thousandth."""
+    mean = []
+    for floor in (0, 3):
+        sim = channel(10, floor)
+        run(sim, 10000, until=1.0)
+        mean.append(mean_velocity(sim))
+    assert mean[0] == pytest.approx(mean[1], rel=1e-3)
+    assert 0.0 < mean[0] < 0.9 * DRIVE
+
+
+def duct(angle: float, cells: int) -> Simulation:
+    """A duct 0.6 m square, endless along y, turned by an angle [degrees] about it, between four solids."""
+    turn = np.radians(angle)
+    solids = []
+    for quarter in range(4):
+        c, s = np.cos(turn + 0.5 * np.pi * quarter), np.sin(turn + 0.5 * np.pi * quarter)
+        corners = np.array([[-3.0, -3.0], [3.0, -3.0], [3.0, -0.3], [-3.0, -0.3]]) @ np.array([[c, s], [-s, c]]) + 0.5
+        part = shapely.Polygon(corners).intersection(shapely.box(0.0, 0.0, 1.0, 1.0))
+        solids.append({"polygon": shapely.get_coordinates(part)[:-1].tolist(), "roughness": 0.0})
+    width = 3.0 / cells
+    case = {
+        "case": {"name": "duct"},
+        "domain": {"size": [1.0, width, 1.0], "spacing": 1.0 / cells, "walls": {"y": "periodic"}},
+        "fluid": {"viscosity": NU, "gravity": 0.0, "acceleration": [0.0, DRIVE, 0.0]},
+        "water": [{"box": [[0.0, 0.0, 0.0], [1.0, width, 1.0]]}],
+        "solid": solids,
+        "time": {"end": 100.0},
+    }
+    return simulation(case)
+
+
+@pytest.mark.parametrize("angle", [0.0, 20.0, 45.0])
+def test_laminar_flow_in_a_duct_at_any_angle(angle):
+    """Mean velocity 0.03514 G a^2/nu, from a plug of that, between plates that cut the cells: of first order."""
+    sim, exact = duct(angle, 15), 0.035144 * DRIVE * 0.36 / NU
+    sim.particles.velocity[:, 1] = exact
+    run(sim, 10000, until=3.0)
+    assert mean_velocity(sim, 1) == pytest.approx(exact, rel=0.1)
+
+
+def plug(roughness: float | None, **more: Any) -> Simulation:
+    """A stream of 1 m/s, 10 cells deep, along a rough solid, which nothing drives: inviscid."""
+    case = {
+        "case": {"name": "plug"},
+        "domain": {"size": [0.2, 0.2], "spacing": 0.01, "walls": {"x": "periodic"}},
+        "fluid": {"viscosity": 0.0},
+        "water": [{"box": [[0.0, 0.03], [0.2, 0.13]], "velocity": [1.0, 0.0]}],
+        "solid": [{"name": "bed", "box": [[0.0, 0.0], [0.2, 0.03]], "roughness": roughness}],
+        "force": [{"name": "F", "body": "bed"}],
+        "time": {"end": 100.0},
+    }
+    if roughness is None:
+        del case["solid"][0]["roughness"]
+    return simulation(case, **more)
+
+
+def momentum(sim: Simulation) -> float:
+    p = sim.particles
+    return float(p.volume @ p.velocity[:, 0])
+
+
+def test_the_bed_gets_the_momentum_that_the_stream_loses():
+    """Force on the bed times the step, friction_force, and the shear of the law of the wall on its length."""
+    sim = plug(2e-3)
+    run(sim, 3)
+    before = momentum(sim)
+    run(sim, 1)
+    lost, sample = before - momentum(sim), sim.sample()
+    assert 1000.0 * lost / sim.flow.kick == pytest.approx(sample["friction_force"][0, 0], rel=1e-4)
+    assert sample["force"][0, 0] == pytest.approx(sample["friction_force"][0, 0], rel=0.02)
+    shear = (0.41 / np.log(30.0 * 0.0065 / 2e-3)) ** 2  # of 1 m/s at the mean distance of the water that is held
+    assert sample["friction_force"][0, 0] == pytest.approx(1000.0 * 0.2 * shear, rel=0.05)
+
+
+def test_friction_is_booked_under_its_own_name_and_is_all_that_a_plug_loses_to_forces():
+    sim = plug(2e-3)
+    run(sim, 10)
+    assert sim.ledger.friction_work > 0.0
+    assert sim.sample()["friction_work"] == pytest.approx(1000.0 * sim.ledger.friction_work)
+    start = 0.5 * 0.2 * 0.1
+    assert sim.flow.kinetic_energy() < start - 0.9 * sim.ledger.friction_work
+    slipping = plug(None)
+    run(slipping, 10)
+    assert slipping.ledger.friction_work == 0.0
+    assert momentum(slipping) == pytest.approx(0.02, rel=1e-9)
+
+
+def test_a_run_with_friction_that_is_resumed_is_the_same_run():
+    straight = plug(2e-3)
+    run(straight, 8)
+    state = copy_state(straight)
+    run(straight, 6)
+    resumed = plug(2e-3)
+    resumed.restore(state)
+    run(resumed, 6)
+    assert not differing(copy_state(straight), copy_state(resumed))
+
+
+@pytest.mark.parametrize("scheme", ["houle", "jh2020"])
+def test_a_rough_bed_holds_more_in_both_schemes(scheme):
+    left = [momentum(run(plug(k, numerics__scheme=scheme), 12)) for k in (None, 1e-4, 2e-3)]
+    assert left[2] < left[1] < left[0] * (1.0 - 1e-5)
