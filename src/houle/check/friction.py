@@ -2,15 +2,16 @@
 
 Waves: the energy that a bed takes per area is rho f_w u_b^3 2 / (3 pi) with the orbital velocity u_b above it, that of
 linear theory (Jonsson 1966, Proc. 10th Conf. Coastal Eng.). f_w is the largest of laminar layers, 2 Re^-1/2, of smooth
-turbulent ones, 0.0521 Re^-0.187, and of rough ones, exp(5.213 (k_s/A)^0.194 - 5.977) (Swart 1974, Delft Hydraulics publ.
-131), Re = u_b A / nu with the amplitude A of the orbit. Streams: the shear over a smooth plate of length x is c_f U^2/2
-with c_f = 0.0592 (U x / nu)^-1/5, beneath a layer 0.37 x (U x / nu)^-1/5 thick (Schlichting, Boundary-Layer Theory).
+turbulent ones, 0.0521 Re^-0.187, and of rough ones, exp(5.213 (k_s/A)^0.194 - 5.977) (Swart 1974, Delft Hydraulics
+publ. 131), Re = u_b A / nu with the amplitude A of the orbit. Streams: the shear over a smooth plate of length x is
+c_f U^2/2, c_f = 0.0592 (U x / nu)^-1/5, beneath a layer 0.37 x (U x / nu)^-1/5 thick (Schlichting, Boundary-Layer
+Theory); its mean over the plate is 5/4 of that.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import exp, log10, pi, sinh, sqrt
+from math import exp, pi, sinh, sqrt
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from houle.check.finding import Finding
 from houle.errors import CaseError
 from houle.waves.dispersion import group_velocity
 
+TURBULENT = 1e5  # Reynolds number of a plate from which its boundary layer is turbulent
+SHEET = 0.25  # depth of the stream of a dam break, as a share of that of the water behind it
 FLOOR = "walls = {bottom = {roughness = 0}}"
 
 
@@ -36,18 +39,16 @@ def friction_counts(s: CrossSection) -> Iterator[Finding]:
 
 def _coarse(s: CrossSection) -> Iterator[Finding]:
     """The law of the wall holds above the grains: k_s is no larger than a cell."""
-    h = max(s.grid.spacing)
-    rough = {
-        f"domain.walls.{side}.roughness": k for side, k in s.case.domain.walls.rough(s.case.dimension, False).items()
-    }
+    h, walls = max(s.grid.spacing), s.case.domain.walls.rough(s.case.dimension, smooth=False)
+    rough = {f"domain.walls.{side}.roughness": k for side, k in walls.items()}
     rough |= {f"{entry.key}.roughness": entry.row.roughness or 0.0 for entry in s.solid}
     for key, k in rough.items():
         if k > h:
-            yield Finding(
-                "warning", key,
-                f"= {k:g} m is more than the spacing of {h:.3g} m: the law of the wall stands above the grains and counts "
-                f"{2.0 * h:.2g} m at most. Draw what is larger, or make it a [[porous]] layer",
-            )  # fmt: skip
+            text = (
+                f"= {k:g} m is more than the spacing of {h:.3g} m: the law of the wall holds above the grains, and "
+                "larger ones take no more. Draw them, or make them a [[porous]] layer"
+            )
+            yield Finding("warning", key, text)
 
 
 def _slips(s: CrossSection) -> tuple[str, str]:
@@ -75,9 +76,9 @@ def _waves(s: CrossSection) -> str:
     share, thick = lost_per_wavelength(*size, case.fluid.gravity, case.fluid.viscosity)
     along = 100.0 * (1.0 - (1.0 - share) ** (case.domain.size[0] / wave.length))
     return (
-        f"a smooth bed in {wave.depth:g} m of water takes about {100.0 * share:.2g} % of the energy of the waves per wavelength, "
-        f"{along:.2g} % on the {case.domain.size[0]:g} m of the tank, in a layer of {1e3 * thick:.2g} mm on cells of "
-        f"{1e3 * s.grid.spacing[-1]:.3g} mm"
+        f"a smooth bed in {wave.depth:g} m of water takes about {100.0 * share:.2g} % of the energy of the waves per "
+        f"wavelength, {along:.2g} % on the {case.domain.size[0]:g} m of the tank, in a layer of {1e3 * thick:.2g} mm "
+        f"(spacing {1e3 * s.grid.spacing[-1]:.3g} mm)"
     )
 
 
@@ -106,23 +107,17 @@ def wave_friction(speed: float, omega: float, viscosity: float, roughness: float
 
 def _stream(s: CrossSection) -> str:
     """What a smooth bed takes from water that falls and runs along the tank."""
-    levels = [entry.shape.bounds[1][-1] for entry in s.water]
-    fall = min(max(levels, default=0.0), s.case.domain.size[-1])
-    speed = max(
-        sqrt(s.case.fluid.gravity * fall), max((np.abs(w.row.velocity or 0.0).max() for w in s.water), default=0.0)
-    )
-    way = s.case.domain.size[0]
-    reynolds = speed * way / s.case.fluid.viscosity
-    if speed <= 0.0 or log10(max(reynolds, 1e-300)) < 5.0:
+    case, levels = s.case, [entry.shape.bounds[1][-1] for entry in s.water]
+    fall, way = min(max(levels), case.domain.size[-1]), case.domain.size[0]
+    given = [abs(v) for entry in s.water for v in entry.row.velocity or ()]
+    speed = max(sqrt(case.fluid.gravity * fall), *given, 0.0)
+    reynolds = speed * way / case.fluid.viscosity
+    if reynolds < TURBULENT:
         return ""
-    layer = 0.37 * way * reynolds**-0.2
-    lost = 0.0592 * 1.25 * reynolds**-0.2 * way / (0.25 * fall) if fall > 0.0 else 0.0
+    layer, friction = 0.37 * way * reynolds**-0.2, 1.25 * 0.0592 * reynolds**-0.2
+    taken = min(100.0 * friction * way / (SHEET * fall), 100.0)
     return (
-        f"at {speed:.2g} m/s a smooth bed has a boundary layer {1e3 * layer:.2g} mm thick after {way:g} m, on cells of "
-        f"{1e3 * s.grid.spacing[-1]:.3g} mm"
-        + (
-            f", and takes {100.0 * min(lost, 1.0):.2g} % of the energy of a stream a quarter of the fall deep"
-            if lost
-            else ""
-        )
+        f"at {speed:.2g} m/s a smooth bed has a boundary layer {1e3 * layer:.2g} mm thick after {way:g} m (spacing "
+        f"{1e3 * s.grid.spacing[-1]:.3g} mm), and takes {taken:.2g} % of the energy of a stream {SHEET * fall:.2g} m "
+        "deep"
     )

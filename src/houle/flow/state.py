@@ -74,10 +74,8 @@ class Flow(Tank):
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.walls = walls
-        self.impulse = np.zeros(
-            (0 if walls is None else len(walls.plane), grid.dimension)
-        )  # that each plane of `walls`
-        # got in the last step, over density [m^d m/s]
+        planes = 0 if walls is None else len(walls.plane)
+        self.impulse = np.zeros((planes, grid.dimension))  # what each of `walls` got in the last step [m^d m/s]
         self.porous = bool(np.any(medium.porosity < 1.0))
         self.column_porosity = column_pores(grid, medium)
 

@@ -206,8 +206,8 @@ class Solid(Shape):
         default=None,
         ge=0,
         le=1,
-        description="Nikuradse's equivalent sand roughness k_s of its surface, 0 = smooth; the water slips along it when "
-        "left out [m]",
+        description="Nikuradse's equivalent sand roughness k_s of its surface, 0 = smooth; the water slips along it "
+        "when left out [m]",
         examples=[0.001],
     )
 
