@@ -126,8 +126,6 @@ class MassMatrix3:
     ) -> None:
         """Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual."""
 
-thinnest_sheet: float = 0.25
-
 def set_threads(threads: int) -> None: ...
 
 def get_threads() -> int: ...
@@ -379,7 +377,6 @@ def viscous_acceleration(
     molecular: float,
     nu: numpy.typing.NDArray[numpy.float64] | None,
     porosity: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]] | None,
-    no_slip: Sequence[bool],
     out: Sequence[numpy.typing.NDArray[numpy.float64]],
 ) -> None:
     """Viscous acceleration of the faces [m/s2]."""

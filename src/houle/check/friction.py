@@ -62,7 +62,7 @@ def _slips(s: CrossSection) -> tuple[str, str]:
 
 
 def _waves(s: CrossSection) -> str:
-    """What a smooth bed takes from the waves."""
+    """The share of their energy that a smooth bed takes from the waves, as words; empty where it is not known."""
     case = s.case
     if case.waves is None or case.waves.kind in PASSING:
         return ""
@@ -106,7 +106,7 @@ def wave_friction(speed: float, omega: float, viscosity: float, roughness: float
 
 
 def _stream(s: CrossSection) -> str:
-    """What a smooth bed takes from water that falls and runs along the tank."""
+    """The boundary layer of water that falls and runs along the tank, as words; empty for a laminar one."""
     case, levels = s.case, [entry.shape.bounds[1][-1] for entry in s.water]
     fall, way = min(max(levels), case.domain.size[-1]), case.domain.size[0]
     given = [abs(v) for entry in s.water for v in entry.row.velocity or ()]

@@ -75,7 +75,7 @@ class Flow(Tank):
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
         self.walls = walls
         planes = 0 if walls is None else len(walls.plane)
-        self.impulse = np.zeros((planes, grid.dimension))  # what each of `walls` got in the last step [m^d m/s]
+        self.impulse = np.zeros((planes, grid.dimension))  # given to each plane of `walls` in a step [m^d m/s]
         self.porous = bool(np.any(medium.porosity < 1.0))
         self.column_porosity = column_pores(grid, medium)
 

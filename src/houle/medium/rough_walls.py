@@ -121,7 +121,10 @@ def _nearest(grid: Grid, patches: Patches, cells: Numbers, known: Sequence[_Plan
     """For each cell the plane of the nearest patch that runs another way than the planes it knows already."""
     d, h = grid.dimension, np.array(grid.spacing)
     far = np.full(len(cells), np.inf)
-    best = [np.zeros((len(cells), d)), np.zeros(len(cells)), np.zeros((len(cells), d)), np.zeros(len(cells), np.intp)]
+    best = _Planes(
+        np.arange(len(cells)), np.zeros((len(cells), d)), np.zeros(len(cells)), np.zeros((len(cells), d)),
+        np.zeros(len(cells), np.intp),
+    )  # fmt: skip
     others = [np.zeros((len(cells), d)) for _ in known]
     for other, planes in zip(others, known, strict=True):
         other[planes.row] = planes.normal
@@ -140,10 +143,10 @@ def _nearest(grid: Grid, patches: Patches, cells: Numbers, known: Sequence[_Plan
         order = np.flatnonzero(new)[np.argsort(-distance[new], kind="stable")]  # the nearest is written last
         offset = (normal * (foot - moved)).sum(axis=1)
         far[row[order]] = distance[order]
-        for field, values in zip(best, (normal, offset, foot - moved, patch), strict=True):
+        for field, values in zip(best[1:], (normal, offset, foot - moved, patch), strict=True):
             field[row[order]] = values[order]
-    row = np.flatnonzero(np.isfinite(far))
-    return _Planes(row, *(field[row] for field in best))
+    near = np.isfinite(far)
+    return _Planes(best.row[near], best.normal[near], best.offset[near], best.foot[near], best.patch[near])
 
 
 def _pairs(grid: Grid, patches: Patches, cells: Numbers) -> Iterator[tuple[Numbers, Numbers, FloatArray, FloatArray]]:
@@ -174,7 +177,7 @@ def _facing(patches: Patches, patch: Numbers, centre: FloatArray) -> tuple[Float
     normal, off, length2 = -area / size, centre - a, (along**2).sum(axis=1, keepdims=True)
     foot = a + np.clip((off * along).sum(axis=1, keepdims=True) / length2, 0.0, 1.0) * along
     if a.shape[1] == 3:
-        across = np.cross(normal, along)  # of the length of `along`
+        across = np.cross(normal, along)  # as long as `along`
         half = 0.5 * size / length2  # half the width of the patch, in that length
         foot += np.clip((off * across).sum(axis=1, keepdims=True) / length2, -half, half) * across
     return normal, foot

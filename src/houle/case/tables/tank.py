@@ -89,7 +89,7 @@ class Walls(Table):
         return found
 
     def _joined(self, side: str) -> bool:
-        """Whether a side is joined with the opposite one."""
+        """True for a side that is joined with the opposite one."""
         return bool((self.x and side in ("left", "right")) or (self.y and side in ("front", "back")))
 
     @classmethod
