@@ -65,6 +65,24 @@ def rub(flow: Flow, dt: float, ledger: Ledger) -> None:
         )  # fmt: skip
 
 
+def gather_behind(flow: Flow) -> None:
+    """Gives the momentum of faces in solids to the open faces beside them, where walls rub (`Flow.behind_walls`).
+
+    Particles beside a solid give to faces inside it, whose velocity is after the projection that of the open ones.
+    Without this, a shear along the wall was made anew in each step: a bed took 73 to 93 % of what it should.
+    """
+    for axis, (face, count, beside, number, share) in enumerate(flow.behind_walls):
+        u, mass = flow.velocity[axis].ravel(), flow.work.face_mass[axis].ravel()
+        given = np.repeat(mass[face], count) * share
+        momentum = np.bincount(number, given * np.repeat(u[face], count), minlength=len(beside))
+        total = mass[beside] + np.bincount(number, given, minlength=len(beside))
+        carries = total > 0.0
+        u[beside[carries]] = ((mass[beside] * u[beside] + momentum)[carries]) / total[carries]
+        if len(face):
+            first = np.cumsum(count) - count
+            u[face] = np.add.reduceat(u[beside][number] * share, first)
+
+
 def make_waves(flow: Flow, acceleration: Faces) -> Faces:
     """The accelerations of the faces [m/s2] together with those by which boundaries push the water, as makers do.
 

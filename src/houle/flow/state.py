@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,21 @@ SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 HEAVY = 30.0  # pores with K / n^2 (`Medium`) above this are heavy: gravity hardly changes their velocity in a step
 AROUND = 4  # cells on each side of a gate that are flooded to measure what the tents beside it hold
 LARGE = 100_000  # a flow with more particles gives its work space back before it remeshes
+
+
+class Behind(NamedTuple):
+    """Faces in solids, and the open faces beside each, whose mean velocity they get after the projection.
+
+    face    (K,) flat numbers of the closed faces; count (K,) open faces beside each
+    beside  (T,) flat numbers of all these open faces
+    number  (P,) which of `beside`, face after face; share (P,) 1 / count
+    """
+
+    face: NDArray[np.intp]
+    count: NDArray[np.intp]
+    beside: NDArray[np.int64]
+    number: NDArray[np.intp]
+    share: FloatArray
 
 
 class Flow(Tank):
@@ -192,6 +207,24 @@ class Flow(Tank):
             wide = widened(energy, axis, wraps)
             where = np.flatnonzero(np.moveaxis(np.maximum(wide[:-1], wide[1:]) > HEAVY, 0, axis))
             found.append((where, self._beside(axis)[where]))
+        return found
+
+    @cached_property
+    def behind_walls(self) -> list[Behind]:
+        """The closed faces of each axis beside open ones, in tanks with walls that rub: else no axes.
+
+        Faces on a solid's face that is parallel to them are left out: what crosses it is stopped by the pressure.
+        """
+        found, open_cells = [], self.medium.open_cells
+        for axis, faces in enumerate(self.medium.open_faces if self.walls is not None else []):
+            wide = widened(open_cells, axis, self.grid.periodic[axis])
+            on_face = np.moveaxis((wide[:-1] == 1.0) | (wide[1:] == 1.0), 0, axis).ravel()
+            around, is_open = self._beside(axis), faces.ravel() > 0.0
+            face = np.flatnonzero(~is_open & ~on_face & is_open[around].any(axis=1))
+            known = is_open[around[face]]
+            beside, number = np.unique(around[face][known], return_inverse=True)
+            share = (known / np.maximum(known.sum(axis=1, keepdims=True), 1))[known]
+            found.append(Behind(face, known.sum(axis=1), beside, number.ravel(), share))
         return found
 
     def _beside(self, own: int) -> NDArray[np.int64]:

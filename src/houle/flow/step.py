@@ -13,7 +13,7 @@ from typing import ClassVar
 
 from houle.flow.component import Component
 from houle.flow.correction import correct_positions
-from houle.flow.forces import apply_forces, drive, make_waves, rub, sph_viscosity, viscosity
+from houle.flow.forces import apply_forces, drive, gather_behind, make_waves, rub, sph_viscosity, viscosity
 from houle.flow.ledger import Ledger
 from houle.flow.motion import arrive, drift, exchange, limit_energy, move, move_walls
 from houle.flow.projection import project
@@ -50,6 +50,7 @@ class Step(Component):
         rub(flow, kick, ledger)  # the law of the wall, on particles near solids and sides that rub
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
+            gather_behind(flow)
         with ledger.operation("forces"):
             acceleration = viscosity(flow, kick, ledger)  # (3), on the grid
             drive(flow, dt)  # velocities at open sides
