@@ -214,8 +214,8 @@ static void bind_forces(nb::module_& m) {
          std::optional<Array<const float>> inertia, Given fill, double nu, double dt, Field u, Field impulse) {
         const RoughWalls<D> rough = walls_of(g, walls);
         const auto at = points<D>(x, "position");
-        const Rubbed<D> water{cell_start_of(g, start, at.n), at.data,
-                              entries(volume, at.n, "volume"), entries(bulk, at.n, "bulk"),
+        const Rubbed<D> water{cell_start_of(g, start, at.n),         at.data,
+                              entries(volume, at.n, "volume"),       entries(bulk, at.n, "bulk"),
                               entries(inertia, at.n * D, "inertia"), cells(g, fill, "fill")};
         double *speed = entries(u, at.n * D, "velocity"),
                *got = entries(impulse, D * std::get<2>(walls).view("walls: front").size, "impulse");
@@ -458,9 +458,9 @@ static void bind_step(nb::module_& m) {
 
 void bind_flow(nb::module_& m) {
   define(
-      m, "wall_shear",
-      [](double v, double y, double nu, double roughness) { return wall_shear(v, y, nu, roughness); }, "speed"_a,
-      "distance"_a, "nu"_a, "roughness"_a, "Shear stress of a wall per unit density, by the law of the wall [m2/s2].");
+      m, "wall_shear", [](double v, double y, double nu, double roughness) { return wall_shear(v, y, nu, roughness); },
+      "speed"_a, "distance"_a, "nu"_a, "roughness"_a,
+      "Shear stress of a wall per unit density, by the law of the wall [m2/s2].");
   bind_sums(m);
   bind_step<2>(m);
   bind_step<3>(m);

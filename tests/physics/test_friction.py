@@ -39,25 +39,22 @@ def mean_velocity(sim: Simulation, axis: int = 0) -> float:
 
 @pytest.mark.parametrize("floor", [0, 3])
 def test_poiseuille_flow_between_sides_and_between_solids(floor):
-    """Mean velocity G a^2/(12 nu) from a plug of that, of second order: 1 % with ten cells."""
-    sim, exact = channel(10, floor), DRIVE * 0.25 / (12.0 * NU)
-    sim.particles.velocity[:, 0] = exact
-    run(sim, 10000, until=0.5 * 0.25 / NU)
-    assert mean_velocity(sim) == pytest.approx(exact, rel=0.012)
-    z = sim.particles.position[:, 1] - 0.05 * floor
-    parabola = DRIVE / (2.0 * NU) * z * (0.5 - z)
-    np.testing.assert_allclose(sim.particles.velocity[:, 0], parabola, atol=0.08 * exact)
+    """Mean velocity G a^2/(12 nu) from a plug of that, of second order: 5 % with ten cells, 1.1 % with twenty."""
+    exact, errors = DRIVE * 0.25 / (12.0 * NU), []
+    for cells in (10, 20):
+        sim = channel(cells, floor)
+        sim.particles.velocity[:, 0] = exact
+        run(sim, 10000, until=0.4 * 0.25 / NU)
+        errors.append(abs(mean_velocity(sim) / exact - 1.0))
+    assert errors[0] < 0.06 and errors[1] < 0.015
+    assert errors[0] > 3.0 * errors[1]
 
 
-def test_a_side_and_a_solid_hold_the_water_alike():
-    """The same channel between sides and between solids: the same velocities to a thousandth."""
-    mean = []
-    for floor in (0, 3):
-        sim = channel(10, floor)
-        run(sim, 10000, until=1.0)
-        mean.append(mean_velocity(sim))
-    assert mean[0] == pytest.approx(mean[1], rel=1e-3)
-    assert 0.0 < mean[0] < 0.9 * DRIVE
+def test_a_side_and_a_solid_hold_a_viscous_flow_alike():
+    """The same channel between sides and between solids, ten cells wide, while the flow develops: 1 %."""
+    sides, solids = (mean_velocity(run(channel(10, floor), 10000, until=1.0)) for floor in (0, 3))
+    assert solids == pytest.approx(sides, rel=0.01)
+    assert 0.0 < sides < 0.9 * DRIVE
 
 
 def duct(angle: float, cells: int) -> Simulation:
@@ -83,26 +80,32 @@ def duct(angle: float, cells: int) -> Simulation:
 
 @pytest.mark.parametrize("angle", [0.0, 20.0, 45.0])
 def test_laminar_flow_in_a_duct_at_any_angle(angle):
-    """Mean velocity 0.03514 G a^2/nu, from a plug of that, between plates that cut the cells: of first order."""
+    """Mean velocity 0.03514 G a^2/nu, from a plug of that, nine cells wide, plates that cut the cells: 10 %."""
     sim, exact = duct(angle, 15), 0.035144 * DRIVE * 0.36 / NU
     sim.particles.velocity[:, 1] = exact
     run(sim, 10000, until=3.0)
     assert mean_velocity(sim, 1) == pytest.approx(exact, rel=0.1)
 
 
-def plug(roughness: float | None, **more: Any) -> Simulation:
-    """A stream of 1 m/s, 10 cells deep, along a rough solid, which nothing drives: inviscid."""
+def plug(roughness: float | None, floor: int = 3, **more: Any) -> Simulation:
+    """A stream of 1 m/s, 10 cells deep, along a rough solid of `floor` cells, which nothing drives: inviscid.
+
+    floor = 0: along a rough side of the tank.
+    """
     case = {
         "case": {"name": "plug"},
         "domain": {"size": [0.2, 0.2], "spacing": 0.01, "walls": {"x": "periodic"}},
         "fluid": {"viscosity": 0.0},
-        "water": [{"box": [[0.0, 0.03], [0.2, 0.13]], "velocity": [1.0, 0.0]}],
-        "solid": [{"name": "bed", "box": [[0.0, 0.0], [0.2, 0.03]], "roughness": roughness}],
-        "force": [{"name": "F", "body": "bed"}],
+        "water": [{"box": [[0.0, 0.01 * floor], [0.2, 0.01 * floor + 0.1]], "velocity": [1.0, 0.0]}],
         "time": {"end": 100.0},
     }
-    if roughness is None:
-        del case["solid"][0]["roughness"]
+    given = {} if roughness is None else {"roughness": roughness}
+    if floor:
+        case["solid"] = [{"name": "bed", "box": [[0.0, 0.0], [0.2, 0.01 * floor]], **given}]
+        case["force"] = [{"name": "F", "body": "bed"}]
+    else:
+        case["domain"]["walls"]["bottom"] = given
+        case["force"] = [{"name": "F", "side": "bottom"}]
     return simulation(case, **more)
 
 
@@ -111,17 +114,27 @@ def momentum(sim: Simulation) -> float:
     return float(p.volume @ p.velocity[:, 0])
 
 
-def test_the_bed_gets_the_momentum_that_the_stream_loses():
-    """Force on the bed times the step, friction_force, and the shear of the law of the wall on its length."""
-    sim = plug(2e-3)
-    run(sim, 3)
-    before = momentum(sim)
-    run(sim, 1)
-    lost, sample = before - momentum(sim), sim.sample()
-    assert 1000.0 * lost / sim.flow.kick == pytest.approx(sample["friction_force"][0, 0], rel=1e-4)
-    assert sample["force"][0, 0] == pytest.approx(sample["friction_force"][0, 0], rel=0.02)
-    shear = (0.41 / np.log(30.0 * 0.0065 / 2e-3)) ** 2  # of 1 m/s at the mean distance of the water that is held
-    assert sample["friction_force"][0, 0] == pytest.approx(1000.0 * 0.2 * shear, rel=0.05)
+@pytest.mark.parametrize("floor", [0, 3])
+def test_the_bed_gets_the_momentum_that_the_stream_loses(floor):
+    """In each step, and the shear of the law of the wall on its length; the faces in a solid keep none of it."""
+    sim = plug(2e-3, floor)
+    places = ((0.005, 0.5), (0.0075, 0.375), (0.0125, 0.125))  # rows of particles, and their shares of the shear
+    shear = sum(share * (0.41 / np.log(30.0 * y / 2e-3)) ** 2 for y, share in places)
+    for step in range(12):
+        before = momentum(sim)
+        run(sim, 1)
+        sample = sim.sample()
+        lost, force = 1000.0 * (before - momentum(sim)), sample["friction_force"][0, 0]
+        assert lost == pytest.approx(force * sim.flow.kick, rel=2e-3)
+        assert sample["force"][0, 0] == pytest.approx(force, abs=1e-3)
+        if step == 0:
+            assert force == pytest.approx(1000.0 * 0.2 * shear, rel=5e-3)
+
+
+def test_a_side_and_a_solid_hold_a_stream_alike():
+    """To two thousandths of what they take in twelve steps."""
+    side, solid = (0.02 - momentum(run(plug(2e-3, floor), 12)) for floor in (0, 3))
+    assert solid == pytest.approx(side, rel=2e-3)
 
 
 def test_friction_is_booked_under_its_own_name_and_is_all_that_a_plug_loses_to_forces():
@@ -129,8 +142,7 @@ def test_friction_is_booked_under_its_own_name_and_is_all_that_a_plug_loses_to_f
     run(sim, 10)
     assert sim.ledger.friction_work > 0.0
     assert sim.sample()["friction_work"] == pytest.approx(1000.0 * sim.ledger.friction_work)
-    start = 0.5 * 0.2 * 0.1
-    assert sim.flow.kinetic_energy() < start - 0.9 * sim.ledger.friction_work
+    assert sim.flow.kinetic_energy() < 0.01 - 0.99 * sim.ledger.friction_work  # transfers take some more
     slipping = plug(None)
     run(slipping, 10)
     assert slipping.ledger.friction_work == 0.0

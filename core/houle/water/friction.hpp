@@ -56,11 +56,11 @@ struct RoughWalls {
 // The particles of a flow, sorted by cell.
 template <int D>
 struct Rubbed {
-  const std::int32_t* start;     // first particle of each cell
-  const double *x, *volume;      // position; water
-  const double* bulk;            // V/n
-  const float* inertia;          // C_r/n (n, D); null: 1
-  const double* fill;            // cells
+  const std::int32_t* start;  // first particle of each cell
+  const double *x, *volume;   // position; water
+  const double* bulk;         // V/n
+  const float* inertia;       // C_r/n (n, D); null: 1
+  const double* fill;         // cells
 };
 
 // The share of the shear that particles at distance d from a wall take [1 over the mean share]. The water of the first
