@@ -90,12 +90,15 @@ def check(
     overrides: Overrides = None,
     threads: Threads = None,
     picture: Annotated[Path, typer.Option(help="Where the picture of the section goes.")] = Path("section.png"),
+    scale: Annotated[
+        float | None, typer.Option(help="Compare the pores with those of a prototype that many times as large.")
+    ] = None,
 ) -> None:
     """Look at a case: findings, coefficients, cost, picture of the section. Runs nothing."""
     from houle.case.model import load
     from houle.check import report
 
-    report.show(load(case, _changes(overrides)), picture, threads)
+    report.show(load(case, _changes(overrides)), picture, threads, scale=scale)
 
 
 @app.command()

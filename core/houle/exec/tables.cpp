@@ -1,20 +1,19 @@
 #include <algorithm>
+#include <cstdint>
 
 #include <houle/exec/tables.hpp>
 
 namespace houle {
 
-namespace {
-
 template <class T>
-Ends<T> ends(const T* table, index n) {
+Ends<T> ends_of(const T* table, index n) {
   T least = table[0], most = table[0];
   for (index i = 1; i < n; ++i) least = std::min(least, table[i]), most = std::max(most, table[i]);
   return {least, most};
 }
 
 template <class T>
-bool is_growing(const T* table, index n, bool strictly) {
+bool grows(const T* table, index n, bool strictly) {
   bool falls = false, stays = false;
   for (index i = 1; i < n; ++i) {
     falls |= table[i] < table[i - 1];
@@ -23,11 +22,9 @@ bool is_growing(const T* table, index n, bool strictly) {
   return !falls && !(strictly && stays);
 }
 
-}  // namespace
-
-Ends<std::int32_t> ends_of(const std::int32_t* table, index n) { return ends(table, n); }
-Ends<std::int64_t> ends_of(const std::int64_t* table, index n) { return ends(table, n); }
-bool grows(const std::int32_t* table, index n, bool strictly) { return is_growing(table, n, strictly); }
-bool grows(const std::int64_t* table, index n, bool strictly) { return is_growing(table, n, strictly); }
+template Ends<std::int32_t> ends_of(const std::int32_t*, index);
+template Ends<std::int64_t> ends_of(const std::int64_t*, index);
+template bool grows(const std::int32_t*, index, bool);
+template bool grows(const std::int64_t*, index, bool);
 
 }  // namespace houle

@@ -2,8 +2,6 @@
 // call.
 #pragma once
 
-#include <cstdint>
-
 #include <houle/exec/loop.hpp>
 
 namespace houle {
@@ -13,12 +11,12 @@ struct Ends {
   T least, most;
 };
 
-// The smallest and the largest of n >= 1 numbers.
-Ends<std::int32_t> ends_of(const std::int32_t* table, index n);
-Ends<std::int64_t> ends_of(const std::int64_t* table, index n);
+// Compiled for std::int32_t and std::int64_t. The smallest and the largest of n >= 1 numbers.
+template <class T>
+Ends<T> ends_of(const T* table, index n);
 
-// True if each of the n numbers is at least as large as the one before it; strictly: larger.
-bool grows(const std::int32_t* table, index n, bool strictly);
-bool grows(const std::int64_t* table, index n, bool strictly);
+// Compiled for the same. True if each of the n numbers is at least as large as the one before it; strictly: larger.
+template <class T>
+bool grows(const T* table, index n, bool strictly);
 
 }  // namespace houle

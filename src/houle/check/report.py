@@ -23,6 +23,7 @@ from houle.check.boundaries import inflow, water_beside
 from houle.check.cost import price
 from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
 from houle.check.rules import require
+from houle.check.scale import sheet
 from houle.check.wave_theory import assess
 from houle.data.history import Record
 from houle.errors import CaseError
@@ -33,16 +34,23 @@ from houle.waves.piston import Reading, reading_of
 from houle.waves.wave import Wave
 
 
-def show(case: Case, picture: Path, threads: int | None = None, console: Console | None = None) -> None:
+def show(
+    case: Case,
+    picture: Path,
+    threads: int | None = None,
+    console: Console | None = None,
+    scale: float | None = None,
+) -> None:
     """Prints what `houle check` says about a case, and draws its section to the file `picture`.
 
-    threads: number of threads for which the cost of the run is estimated. Raises CaseError when the case cannot be run:
-    then nothing is printed or drawn.
+    threads: number of threads for which the cost of the run is estimated. scale: size of a prototype over that of the
+    case, to be compared. Raises CaseError when the case cannot be run: then nothing is printed or drawn.
     """
     if not picture.resolve().parent.is_dir():
         raise CaseError(f"--picture {picture}: there is no folder {picture.parent}, make it or name another file")
     console = console or Console(highlight=False)
     findings = require(case)
+    compared = None if scale is None else sheet(case, scale)
     console.print(f"[bold]{escape(case.case.title or case.case.name)}[/]")
     window = gauges.steady(case)
     for finding in findings if window is None else [*findings, window]:
@@ -62,6 +70,8 @@ def show(case: Case, picture: Path, threads: int | None = None, console: Console
         console.print(_drag(body))
         for warning in body.warnings:
             console.print(f"[yellow]warning[/] porous.{escape(body.name)}: {escape(warning)}", soft_wrap=True)
+    if compared is not None:
+        console.print(compared)
     console.print(_price(case, threads or 1), soft_wrap=True)
     draw(case, picture)
     console.print(f"Section drawn: {picture}", soft_wrap=True)

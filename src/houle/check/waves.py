@@ -119,11 +119,14 @@ def _motion(s: CrossSection, motion: RecordedMotion) -> Iterator[Finding]:
         yield Finding("info", "waves.file", text)
     start = max(0.0, float(known.time[0]))
     if start < case.time.end and (speed := abs(float(motion.velocity(start)))) > MOVES * motion.fastest:
-        text = f"{name}: the wall starts at {speed:.3g} m/s at once; start where the record is at rest, or give ramp"
+        text = (
+            f"= {table.start:g} s: the wall starts at {speed:.3g} m/s at once; start where the record is at rest, or "
+        )
+        text += "give ramp"
         yield Finding("warning", "waves.start", text)
     if (off := motion.coarse) > COARSE:
         text = (
-            f"{name} has a sample every {known.step:.3g} s: the curve through them lies {off:.1%} of its range off "
+            f"{name} has {motion.samples}: the curve through them lies {off:.1%} of its range off "
             f"straight lines, so it is a guess; {COARSE:.0%} come of some eleven samples to a period"
         )
         yield Finding("warning", "waves.file", text)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -87,8 +87,7 @@ def columns_in(file: Path, columns: tuple[str, ...], key: str, error: type[CaseE
     name = f"{key} = {file}"
     form = sniff(file, encoding_of(file, name, error), name, error)
     names, units = _heading(form)
-    table = Table(names, units, np.zeros((0, form.columns)), np.zeros(0, np.int64), form.stamps > 0, ())
-    return [column for column in columns if _find(table, column) is not None]
+    return [column for column in columns if _find(names, units, form.stamps > 0, column) is not None]
 
 
 def read_columns(
@@ -106,7 +105,7 @@ def read_columns(
         table = read_table(file, name, error)
     except error as problem:
         raise error(f"{problem}. A table with the header {wanted} is needed") from None
-    places = [_find(table, column) for column in columns]
+    places = [_find(table.names, table.units, table.stamped, column) for column in columns]
     if missing := [column for column, place in zip(columns, places, strict=True) if place is None]:
         there = ", ".join(filter(None, table.names)) or "no line of names"
         raise error(f"{name} is not a table with the header {wanted}: there is no {missing[0]} ({there})")
@@ -142,22 +141,23 @@ def missing_codes(values: NDArray[np.float64], units: tuple[float, ...] = (1.0,)
         return np.asarray(likely & ((values > high + away) | (values < low - away)), dtype=bool)
 
 
-def _find(table: Table, column: str) -> tuple[int, float] | None:
-    """Number of a column in the table, and the factor to the unit that is asked for; None if it is not there.
+def _find(names: Sequence[str], units: Sequence[str], stamped: bool, column: str) -> tuple[int, float] | None:
+    """Number of a column among those of a table, and the factor to the unit that is asked for; None if it is not there.
 
-    It is found by its name as it is, or by the stem of its name with another unit of the same kind.
+    It is found by its name as it is, or by the stem of its name with another unit of the same kind. stamped: the first
+    column holds stamps of date and time.
     """
-    if column in table.names:
-        place = table.names.index(column)
-        unit = table.units[place].strip("[]() ").lower()
+    if column in names:
+        place = names.index(column)
+        unit = units[place].strip("[]() ").lower()
         stem, own = unit_of(column)
         return (place, ratio(unit, own)) if unit and ratio(unit, own) else (place, 1.0)
     stem, own = unit_of(column)
-    for place, name in enumerate(table.names):
+    for place, name in enumerate(names):
         other, unit = unit_of(name)
-        unit = (unit or table.units[place]).strip("[]() ").lower()
-        same = other.lower() == stem.lower() or (stem == "t" and (is_time(name) or (table.stamped and place == 0)))
-        unit = "s" if table.stamped and place == 0 else unit
+        unit = (unit or units[place]).strip("[]() ").lower()
+        same = other.lower() == stem.lower() or (stem == "t" and (is_time(name) or (stamped and place == 0)))
+        unit = "s" if stamped and place == 0 else unit
         if same and (factor := ratio(unit, own)):
             return place, factor
     return None

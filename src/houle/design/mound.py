@@ -6,6 +6,7 @@ Countries; Troch (2000), PhD thesis, Ghent University.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, pi, sqrt
 from typing import Annotated
@@ -74,6 +75,25 @@ def pore_pressure(
     return PorePressure(p=p, delta=delta, length=length, gradient=gradient, ratios={"x/b": x / core_width})
 
 
+def similar_grain(
+    velocity: Callable[[float, float], float], grain_diameter: float, scale: float
+) -> tuple[float, float]:
+    """Darcy velocity [m/s] in the prototype, and the model's grain diameter [m] that gives it over sqrt(scale).
+
+    velocity        the Darcy velocity [m/s] that a grain diameter [m] gives, and a scale of time: 1 in the prototype,
+                    sqrt(scale) in the model
+    grain_diameter  of the prototype [m]; that of the model lies between it and it over the scale
+    """
+    full, slow, small = velocity(grain_diameter, 1.0), sqrt(scale), grain_diameter / scale
+
+    def excess(d: float) -> float:
+        return velocity(d, slow) - full / slow
+
+    if excess(small) >= 0:
+        return full, small
+    return full, float(brentq(excess, small, grain_diameter, xtol=1e-12 * small, rtol=1e-12))
+
+
 @formula(
     "core-scale",
     "Grain of the core of a laboratory model in which the gradients are those of the prototype.",
@@ -100,18 +120,12 @@ def core_scale(
     much, as its laminar part a grows; this grain is larger. A law that knows the period counts it where it is given.
     """
 
-    def drag(d: float, time_scale: float) -> tuple[float, float]:
-        return drag_of(law, porosity, d, viscosity, None if period is None else period / time_scale)
+    def flow(d: float, time_scale: float) -> float:
+        drag = drag_of(law, porosity, d, viscosity, None if period is None else period / time_scale)
+        return steady_velocity(*drag, gradient)
 
-    velocity = steady_velocity(*drag(grain_diameter, 1.0), gradient)
+    velocity, model = similar_grain(flow, grain_diameter, scale)
     slow, small = sqrt(scale), grain_diameter / scale
-
-    def excess(d: float) -> float:
-        return steady_velocity(*drag(d, slow), gradient) - velocity / slow
-
-    model = (
-        small if excess(small) >= 0 else float(brentq(excess, small, grain_diameter, xtol=1e-12 * small, rtol=1e-12))
-    )
     reynolds, reynolds_model = velocity * grain_diameter / viscosity, velocity / slow * model / viscosity
     return CoreScale(
         grain_diameter=model,

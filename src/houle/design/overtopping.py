@@ -10,6 +10,7 @@ Bruce, De Rouck, Kortenhaus, Pullen, Schuettrumpf, Troch & Zanuttigh.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import degrees, exp, inf, sqrt
 from typing import Annotated
@@ -106,7 +107,7 @@ def overtopping_slope(
     breaking, surging = branches(0.0)
     return _overtopping(
         wave_height,
-        [min(branches(by)) for by in (-1.0, 0.0, 1.0)],
+        lambda by: min(branches(by)),
         ratios={"cot a": cot_slope, "xi": xi, "Rc/Hm0": relative, "|beta| in degrees": abs(degrees(obliquity))},
         branch="breaking waves, eq. (5.10)" if breaking < surging else "surging waves, eq. (5.11)",
     )
@@ -163,7 +164,7 @@ def overtopping_mound(
 
     return _overtopping(
         wave_height,
-        [star(by) for by in (-1.0, 0.0, 1.0)],
+        star,
         ratios={
             "cot a": cot_slope,
             "xi": xi,
@@ -194,8 +195,7 @@ def overtopping_wall(*, wave_height: Height, freeboard: Freeboard) -> Overtoppin
         c, k = shifted(WALL, by)
         return c * exp(-((k * relative) ** 1.3))
 
-    stars = [star(by) for by in (-1.0, 0.0, 1.0)]
-    return _overtopping(wave_height, stars, ratios={"Rc/Hm0": relative}, band=f"{BAND} (deviations RECALLED)")
+    return _overtopping(wave_height, star, ratios={"Rc/Hm0": relative}, band=f"{BAND} (deviations RECALLED)")
 
 
 @formula(
@@ -229,7 +229,7 @@ def overtopping_wall_foreshore(
     equation = "waves break against the wall, eq. (7.8)" if high else "waves break against the wall, eq. (7.7)"
     return _overtopping(
         wave_height,
-        [star(by) for by in (-1.0, 0.0, 1.0)],
+        star,
         ratios={"Rc/Hm0" if breaking else "Rc/Hm0 in (7.5)": relative, "h^2/(Hm0 L0)": impulsiveness},
         branch=equation if breaking else "waves do not break, eq. (7.5)",
         band=f"{BAND} (deviations RECALLED)",
@@ -237,8 +237,8 @@ def overtopping_wall_foreshore(
 
 
 def _overtopping(
-    wave_height: float, stars: list[float], *, ratios: dict[str, float], branch: str = "", band: str = BAND
+    wave_height: float, star: Callable[[float], float], *, ratios: dict[str, float], branch: str = "", band: str = BAND
 ) -> Overtopping:
-    """The answer from the dimensionless discharges: low, mean and design."""
-    low, mean, design = (discharge(wave_height) * star for star in stars)
+    """The answer from q* as a function of how many standard deviations its coefficients are shifted, to more water."""
+    low, mean, design = (discharge(wave_height) * star(by) for by in (-1.0, 0.0, 1.0))
     return Overtopping(q=mean, q_design=design, low=low, high=design, band=band, ratios=ratios, branch=branch)

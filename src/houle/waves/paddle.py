@@ -144,9 +144,17 @@ class RecordedMotion:
         return float(np.percentile(np.diff(self.time), SHORT))
 
     @property
+    def samples(self) -> str:
+        """The number of samples and the times between them, in words."""
+        steps = np.diff(self.time)
+        apart = f"{steps.min():.3g} to {steps.max():.3g} s apart"
+        return (
+            f"{len(self.time)} samples, {apart if np.ptp(steps) > 0.01 * self.step else f'one every {self.step:.3g} s'}"
+        )
+
+    @property
     def theory(self) -> str:
-        samples = f"{len(self.time)} samples, one every {self.step:.3g} s"
-        return f"moves as the file says, {samples}, at most {self.fastest:.3g} m/s and {self.hardest:.3g} m/s2"
+        return f"moves as the file says, {self.samples}, at most {self.fastest:.3g} m/s and {self.hardest:.3g} m/s2"
 
 
 @dataclass(frozen=True)

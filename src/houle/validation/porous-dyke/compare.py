@@ -1,9 +1,12 @@
-"""Discharge through the dyke against Dupuit's; levels; water that came in, went out and is there."""
+"""Discharge through the dyke, phreatic line and exit point against the exact ones; levels; the balance of the water."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from houle import design
 from houle.validation.check import Check, Variant, report
 from houle.validation.measure import largest
 
@@ -22,20 +25,27 @@ VARIANTS = (
 def compare(run: Run) -> list[Check]:
     body, (left, right) = run.case.porous[0], run.case.open
     assert body.box is not None and body.resistance.a is not None and left.level and right.level
-    exact = run.case.fluid.gravity / body.resistance.a * (left.level**2 - right.level**2)
-    exact /= 2 * (body.box[1][0] - body.box[0][0])
+    (face, back), cell = (corner[0] for corner in body.box), 1e3 * run.case.domain.grid.spacing[-1]
+    seepage = design.seepage_dam(
+        upstream=left.level, downstream=right.level, length=back - face,
+        conductivity=run.case.fluid.gravity / body.resistance.a,
+    )  # fmt: skip
+    exact = seepage.discharge
     late = run.series.sel(time=slice(float(run.series.time[-1]) - LATE, None))
     duration = float(late.time[-1] - late.time[0])
     came, went = (float(v[-1] - v[0]) / duration for v in (late.inflow, late.outflow))
     inside = float(late.discharge.sel(flux="dyke").mean())
     levels = {str(g): float(late.eta.sel(gauge=g).mean()) for g in late.gauge.values}
-    exit_level = float(late.phreatic_level[-1].mean())
+    line = late.phreatic_level.mean("time").values
+    off = 1e3 * (line - np.interp(late.phreatic_x.values - face, *seepage.line))
     return [
         Check("discharge into the tank off Dupuit's", 100 * abs(came / exact - 1), "%", DISCHARGE),
         Check("discharge out of the tank off Dupuit's", 100 * abs(went / exact - 1), "%", DISCHARGE),
         Check("discharge in the middle of the dyke off Dupuit's", 100 * abs(inside / exact - 1), "%", DISCHARGE),
         Check("level on the left off its own", 1e3 * abs(levels["left"] - left.level), "mm", LEVEL),
         Check("level on the right off its own", 1e3 * abs(levels["right"] - right.level), "mm", LEVEL),
-        report("surface 20 mm before the exit, above the level", 1e3 * (exit_level - right.level), "mm"),
+        Check("phreatic line off the exact one, at most", float(np.abs(off).max()), "mm", cell),
+        Check("level before the exit off the exact exit point", 1e3 * abs(float(line[-1]) - seepage.exit), "mm", cell),
+        report("phreatic line off the exact one, root of the mean square", float(np.sqrt(np.mean(off**2))), "mm"),
         Check("volume drift", largest(run.series.volume_drift), "-", 1e-12),
     ]
