@@ -164,3 +164,32 @@ def test_a_run_with_friction_that_is_resumed_is_the_same_run():
 def test_a_rough_bed_holds_more_in_both_schemes(scheme):
     left = [momentum(run(plug(k, numerics__scheme=scheme), 12)) for k in (None, 1e-4, 2e-3)]
     assert left[2] < left[1] < left[0] * (1.0 - 1e-5)
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.04])
+def test_a_wave_decays_by_its_bed_as_the_laminar_boundary_layer_says(floor):
+    """Standing wave, layer sqrt(2 nu/omega) as thick as a cell: energy rate u_b^2 sqrt(nu omega/8) / E and 4 nu k^2.
+
+    From the first to the third period, as the layer has to grow; 10 % with one cell in it.
+    """
+    amplitude, depth, nu, k = 0.01, 0.25, 1e-3, np.pi
+    x = np.linspace(1.0, 0.0, 51)
+    surface = np.column_stack([x, floor + depth + amplitude * np.cos(k * x)])
+    case: dict[str, Any] = {
+        "case": {"name": "wave"},
+        "domain": {"size": [1.0, 0.32 + floor], "spacing": 0.02, "walls": "slip" if floor else {"bottom": "no-slip"}},
+        "fluid": {"viscosity": nu},
+        "water": [{"polygon": [[0.0, floor], [1.0, floor], *surface.tolist()]}],
+        "time": {"end": 10.0},
+    }
+    if floor:
+        case["solid"] = [{"box": [[0.0, 0.0], [1.0, floor]], "roughness": 0.0}]
+    sim, omega = simulation(case), np.sqrt(9.81 * k * np.tanh(k * depth))
+    period, energy = 2.0 * np.pi / omega, 9.81 * amplitude**2 / 4.0
+    speed = amplitude * omega / np.sinh(k * depth)
+    exact = speed**2 * np.sqrt(nu * omega / 8.0) / 2.0 / energy + 4.0 * nu * k**2
+    left = []
+    for periods in (1, 3):
+        run(sim, 10000, until=periods * period)
+        left.append(energy - sim.ledger.friction_work - sim.ledger.viscous_work)
+    assert np.log(left[0] / left[1]) / (2.0 * period) == pytest.approx(exact, rel=0.1)
