@@ -254,6 +254,8 @@ def test_friction_only_takes_energy_and_turns_no_velocity(random, dt):
     np.testing.assert_allclose(impulse.sum(axis=0), bulk @ (u - after), rtol=1e-9, atol=1e-12)
 
 
-def test_no_wall_that_rubs_is_none():
+def test_no_wall_that_rubs_is_none_nor_is_one_behind_a_solid():
     grid = Grid((6, 6), (H, H), (False, False))
+    covered = [Box((-1.0, -1.0), (1.0, 0.02))]
+    assert walls_of(grid, covered, [None], {"bottom": 0.0})[1] is None
     assert walls_of(grid, [Box((0.0, 0.0), (0.02, 0.02))], [None])[1] is None

@@ -225,7 +225,7 @@ class Flow(Tank):
             beside, number = np.unique(around[face][known], return_inverse=True)
             share = (known / np.maximum(known.sum(axis=1, keepdims=True), 1))[known]
             found.append(Behind(face, known.sum(axis=1), beside, number.ravel(), share))
-        return found
+        return found if any(len(axis.face) for axis in found) else []
 
     def _beside(self, own: int) -> NDArray[np.int64]:
         """Flat numbers (faces, 2 d) of the faces of an axis beside each: before and after it along every axis.

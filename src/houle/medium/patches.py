@@ -110,7 +110,7 @@ class Surfaces:
             }  # fmt: skip  # the wall on their left
             way = np.diff(lines[side], axis=0)[0]
             free = shapely.difference(shapely.linestrings(lines[side]), solid)
-            for line in shapely.get_parts(free):
+            for line in shapely.get_parts(free) if not shapely.is_empty(free) else ():
                 ends = shapely.get_coordinates(line)[[0, -1]]
                 ends[:, 0 if axis == 0 else 1] = end * (x if axis == 0 else z)
                 ends = ends if np.dot(ends[1] - ends[0], way) > 0 else ends[::-1]
