@@ -6,15 +6,15 @@
 
 namespace houle {
 
-// Calls f with the kernel of that name as a value.
-template <class F>
-static void with_kernel(const std::string& name, F f) {
-  if (name == "linear") return f(LinearKernel{});
-  if (name == "quadratic") return f(QuadraticKernel{});
-  if (name == "m4prime") return f(M4PrimeKernel{});
-  if (name == "gaussian") return f(GaussianKernel{});
-  if (name == "gaussian-taylor2") return f(GaussianTaylorKernel{});
-  if (name == "gaussian-cell") return f(GaussianCellKernel{});
+// Calls f with the kernel of that name as a value, and the particles as it takes them.
+template <int D, class F>
+static void with_kernel(const std::string& name, Cloud<D> cloud, F f) {
+  if (name == "linear") return f(LinearKernel{}, cloud);
+  if (name == "quadratic") return f(QuadraticKernel{}, cloud);
+  if (name == "m4prime") return f(M4PrimeKernel{}, cloud);
+  if (name == "gaussian") cloud.side = nullptr;
+  cloud.exact = name == "gaussian-cell";
+  if (name == "gaussian" || name == "gaussian-taylor2" || cloud.exact) return f(GaussianKernel{}, cloud);
   refuse("unknown transfer kernel " + name);
 }
 
@@ -129,10 +129,10 @@ static void bind_faces(nb::module_& m) {
       m, "to_faces",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, OptionalGiven affine,
          Fields velocity, Fields face_mass, OptionalInterfaces media) {
-        const auto cloud = sorted_cloud<D>(g, x, side, mass, start, media);
-        const double *uu = entries(u, cloud.n * D, "u"), *C = entries(affine, cloud.n * D * D, "affine");
+        const auto particles = sorted_cloud<D>(g, x, side, mass, start, media);
+        const double *uu = entries(u, particles.n * D, "u"), *C = entries(affine, particles.n * D * D, "affine");
         const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass");
-        with_kernel(kernel, [&](auto k) {
+        with_kernel(kernel, particles, [&](auto k, const Cloud<D>& cloud) {
           nb::gil_scoped_release release;
           to_faces<decltype(k), D>(g, cloud, uu, C, v, fm);
         });
@@ -144,11 +144,11 @@ static void bind_faces(nb::module_& m) {
       m, "add_residual",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Given u, Givens face_mass,
          Fields velocity, Fields work, OptionalInterfaces media) {
-        const auto cloud = sorted_cloud<D>(g, x, side, mass, start, media);
-        const double* uu = entries(u, cloud.n * D, "u");
+        const auto particles = sorted_cloud<D>(g, x, side, mass, start, media);
+        const double* uu = entries(u, particles.n * D, "u");
         const auto fm = faces(g, face_mass, "face_mass");
         const auto v = faces(g, velocity, "velocity"), w = faces(g, work, "work");
-        with_kernel(kernel, [&](auto k) {
+        with_kernel(kernel, particles, [&](auto k, const Cloud<D>& cloud) {
           nb::gil_scoped_release release;
           add_residual<decltype(k), D>(g, cloud, uu, fm, v, w);
         });
@@ -160,11 +160,11 @@ static void bind_faces(nb::module_& m) {
       m, "to_particles",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens now, Givens change,
          Givens drag, double flip, Field u, OptionalInterfaces media) {
-        const auto cloud = cloud_of<D>(g, x, side, mass, start, media);
-        double* uu = entries(u, cloud.n * D, "u");
+        const auto particles = cloud_of<D>(g, x, side, mass, start, media);
+        double* uu = entries(u, particles.n * D, "u");
         const auto v = faces(g, now, "now"), dv = faces(g, change, "change", !(flip > 0.0)),
                    dr = faces(g, drag, "drag", !(flip > 0.0));
-        with_kernel(kernel, [&](auto k) {
+        with_kernel(kernel, particles, [&](auto k, const Cloud<D>& cloud) {
           nb::gil_scoped_release release;
           to_particles<decltype(k), D>(g, cloud, v, dv, dr, flip, uu);
         });
@@ -175,10 +175,10 @@ static void bind_faces(nb::module_& m) {
       m, "affine_from",
       [](G g, Name kernel, Given x, OptionalGiven side, Given mass, Numbers start, Givens velocity, Field affine,
          OptionalInterfaces media) {
-        const auto cloud = cloud_of<D>(g, x, side, mass, start, media);
-        double* C = entries(affine, cloud.n * D * D, "affine");
+        const auto particles = cloud_of<D>(g, x, side, mass, start, media);
+        double* C = entries(affine, particles.n * D * D, "affine");
         const auto v = faces(g, velocity, "velocity");
-        with_kernel(kernel, [&](auto k) {
+        with_kernel(kernel, particles, [&](auto k, const Cloud<D>& cloud) {
           nb::gil_scoped_release release;
           affine_from<decltype(k), D>(g, cloud, v, C);
         });

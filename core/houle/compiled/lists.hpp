@@ -33,11 +33,11 @@
   I(sample_medium) I(hold_faces) I(carry) I(fall_behind) I(settle) I(cell_energy) I(scale_by_cell)          \
   I(remesh_conservative) I(remesh_paper)
 #define HOULE_CELLS(I) I(cell_sort) I(sort_particles) I(scatter_cells) I(gather_cells)
+#define HOULE_BESIDE(I) I(give_beside) I(give_residual_beside) I(take_beside) I(affine_beside)
 // I(kernel, function): the same for each transfer kernel, or kernel of smoothed particles.
 #define HOULE_TRANSFER(I, K) I(K, to_faces) I(K, add_residual) I(K, to_particles) I(K, affine_from)
 #define HOULE_WIDE(I)                                                                                       \
-  HOULE_TRANSFER(I, QuadraticKernel) HOULE_TRANSFER(I, M4PrimeKernel) HOULE_TRANSFER(I, GaussianKernel)     \
-  HOULE_TRANSFER(I, GaussianTaylorKernel) HOULE_TRANSFER(I, GaussianCellKernel)
+  HOULE_TRANSFER(I, QuadraticKernel) HOULE_TRANSFER(I, M4PrimeKernel) HOULE_TRANSFER(I, GaussianKernel)
 #define HOULE_OF_SPH(I, K) I(K, density_sum) I(K, sph_viscous_acceleration) I(K, velocity_gradient)
 #define HOULE_SPH(I) HOULE_OF_SPH(I, WendlandC2) HOULE_OF_SPH(I, TruncatedGaussian)
 // clang-format on
@@ -68,6 +68,7 @@ HOULE_PRESSURE(HOULE_HAS)
 HOULE_FLOW(HOULE_HAS)
 HOULE_CROSSING(HOULE_HAS)
 HOULE_CELLS(HOULE_HAS)
+HOULE_BESIDE(HOULE_HAS)
 HOULE_TRANSFER(HOULE_HAS_OF, LinearKernel)
 HOULE_WIDE(HOULE_HAS_OF)
 HOULE_SPH(HOULE_HAS_SPH)

@@ -1,10 +1,10 @@
 // Transfer kernels: the weights with which a particle and the grid nodes around it see each other, axis by axis.
 //
 // A kernel has `width` nodes per axis. Along one axis a particle at index coordinate s (node i at i) reaches the nodes
-// first(s) .. first(s) + width - 1. weights() writes their weights w; the Taylor Gaussian also writes the second-moment
-// terms q, its weight in d dimensions being prod_a w_a (1 + sum_a q_a), paper eqs (8)-(11). `side` is the particle's
-// edge length in units of the spacing of that axis, dx_p / (h n^(1/d)): only the Gaussians use it. least_own: share of
-// its weights that a particle must have on its own side of an interface; with less it sees all nodes (interfaces.hpp).
+// first(s) .. first(s) + width - 1. weights() writes their weights w; the Gaussian also writes the second-moment terms
+// q, its weight in d dimensions being prod_a w_a (1 + sum_a q_a), paper eqs (8)-(11). `edge` is the particle's edge in
+// units of the spacing of that axis, dx_p / (h n^(1/d)): only the Gaussian uses it. least_own: share of its weights
+// that a particle must have on its own side of an interface; with less it sees all nodes (interfaces.hpp).
 #pragma once
 
 #include <algorithm>
@@ -16,6 +16,13 @@
 
 namespace houle {
 
+// The edge of a particle, which is a square or a cube: its length, and how the Gaussian is integrated over it.
+struct Edge {
+  double length = 0.0;
+  bool exact = false;  // true: exactly; else to second order
+  Edge operator/(double h) const { return {length / h, exact}; }
+};
+
 // The tent: its weights sum to 1, and it reproduces linear fields.
 struct LinearKernel {
   static constexpr int width = 2;
@@ -23,7 +30,7 @@ struct LinearKernel {
   static constexpr bool normalised = true;  // the weights sum to 1 for any s
   static constexpr double least_own = 0.01;
   static index first(double s) { return floor_index(s); }
-  static void weights(double s, index i0, double, double* w, double*) {
+  static void weights(double s, index i0, Edge, double* w, double*) {
     const double f = s - static_cast<double>(i0);
     w[0] = 1.0 - f;
     w[1] = f;
@@ -37,7 +44,7 @@ struct QuadraticKernel {
   static constexpr bool normalised = true;
   static constexpr double least_own = 0.01;
   static index first(double s) { return floor_index(s + 0.5) - 1; }
-  static void weights(double s, index i0, double, double* w, double*) {
+  static void weights(double s, index i0, Edge, double* w, double*) {
     const double f = s - static_cast<double>(i0 + 1);  // in [-1/2, 1/2)
     w[0] = 0.5 * (0.5 - f) * (0.5 - f);
     w[1] = 0.75 - f * f;
@@ -58,56 +65,41 @@ struct M4PrimeKernel {
     return 0.0;
   }
   static index first(double s) { return floor_index(s) - 1; }
-  static void weights(double s, index i0, double, double* w, double*) {
+  static void weights(double s, index i0, Edge, double* w, double*) {
     for (int k = 0; k < 4; ++k) w[k] = value(s - static_cast<double>(i0 + k));
   }
 };
 
-// Gaussians of standard deviation sigma = 0.6 h (the paper's W ~ exp(-r^2/eps^2) with eps = 0.85 h), cut at 3 nodes;
-// not a partition of unity, so transfers divide by the sum of the weights.
-struct GaussianBase {
+// The Gaussian of standard deviation sigma = 0.6 h (the paper's W ~ exp(-r^2/eps^2) with eps = 0.85 h), cut at 3 nodes,
+// of a particle that is a square. To second order: paper eqs (10)-(11), and for an edge of 0 that of a point, eq. (8).
+// An edge of more than 1.7 cells counts as one of 1.7: its series has negative weights, whose sum may vanish while the
+// momentum that they carry does not. The exact integral is a difference of error functions.
+//
+// The weights are not a partition of unity, so transfers divide by their sum.
+struct GaussianKernel {
   static constexpr int width = 6;
+  static constexpr bool taylor = true;
   static constexpr bool normalised = false;
   static constexpr double least_own = 0.01;
   static constexpr double sigma = 0.6;
-  static index first(double s) { return floor_index(s) - 2; }
-};
-
-// The Gaussian of a particle that is a point.
-struct GaussianKernel : GaussianBase {
-  static constexpr bool taylor = false;
-  static void weights(double s, index i0, double, double* w, double*) {
-    for (int k = 0; k < width; ++k) {
-      const double r = (s - static_cast<double>(i0 + k)) / sigma;
-      w[k] = std::exp(-0.5 * r * r);
-    }
-  }
-};
-
-// The Gaussian of a particle that is a square of edge `side`, to second order: paper eqs (10)-(11). One wider than 1.7
-// cells counts as one of 1.7: its series has negative weights, whose sum may vanish while the momentum that they carry
-// does not.
-struct GaussianTaylorKernel : GaussianBase {
-  static constexpr bool taylor = true;
   static constexpr double widest = 1.0 / 3.0;  // moment up to which 1 + sum_a q_a >= 0 on three axes
-  static void weights(double s, index i0, double side, double* w, double* q) {
-    const double moment = std::min(side * side / 24.0 / (sigma * sigma), widest);  // (1/2) M20 / M00, times W_xx / W
+  static index first(double s) { return floor_index(s) - 2; }
+  static void weights(double s, index i0, Edge edge, double* w, double* q) {
+    if (edge.exact) [[unlikely]]
+      return integrals(s, i0, edge.length, w, q);
+    const double moment = std::min(edge.length * edge.length / 24.0 / (sigma * sigma), widest);  // (1/2) M20 / M00
     for (int k = 0; k < width; ++k) {
       const double r = (s - static_cast<double>(i0 + k)) / sigma;
       w[k] = std::exp(-0.5 * r * r);
-      q[k] = moment * (r * r - 1.0);
+      q[k] = moment * (r * r - 1.0);  // moment W_xx / W
     }
   }
-};
-
-// The exact integral of the Gaussian over the particle's square: a difference of error functions.
-struct GaussianCellKernel : GaussianBase {
-  static constexpr bool taylor = false;
-  static void weights(double s, index i0, double side, double* w, double*) {
+  HOULE_NOINLINE static void integrals(double s, index i0, double edge, double* w, double* q) {
     const double c = 1.0 / (sigma * std::sqrt(2.0));
     for (int k = 0; k < width; ++k) {
       const double r = s - static_cast<double>(i0 + k);
-      w[k] = std::erf((r + 0.5 * side) * c) - std::erf((r - 0.5 * side) * c);
+      w[k] = std::erf((r + 0.5 * edge) * c) - std::erf((r - 0.5 * edge) * c);
+      q[k] = 0.0;
     }
   }
 };
@@ -160,14 +152,14 @@ template <class K>
 struct Reach {
   index node[K::width];
   double weight[K::width];
-  double moment[K::width];  // q of the Taylor Gaussian
+  double moment[K::width];  // q of the Gaussian
   double sign[K::width];    // factor of the velocity along this axis: -1 at mirror images
   double first;             // way from the particle to its first node, before that is folded [cells]
 
-  // s: index coordinate, node i at i; side: particle edge in cells
-  void set(double s, double side, bool on_faces, index cells, bool periodic) {
+  // s: index coordinate, node i at i; edge: of the particle, in cells
+  void set(double s, Edge edge, bool on_faces, index cells, bool periodic) {
     const index i0 = K::first(s);
-    K::weights(s, i0, side, weight, moment);
+    K::weights(s, i0, edge, weight, moment);
     first = static_cast<double>(i0) - s;
     for (int k = 0; k < K::width; ++k) {
       node[k] = i0 + k;
@@ -200,15 +192,16 @@ template <class K, int D>
 struct Stencil {
   Reach<K> centre[D], face[D];
 
-  // x: position in metres; side: particle edge in metres
-  [[gnu::always_inline]] void set_centres(const Grid<D>& g, const double* x, double side = 0.0) {
-    each_of<D>([&](auto a) { centre[a].set(x[a] / g.h[a] - 0.5, side / g.h[a], false, g.shape[a], g.periodic[a]); });
+  // x: position in metres; edge: of the particle, in metres
+  [[gnu::always_inline]] void set_centres(const Grid<D>& g, const double* x, Edge edge = {}) {
+    each_of<D>([&](auto a) { centre[a].set(x[a] / g.h[a] - 0.5, edge / g.h[a], false, g.shape[a], g.periodic[a]); });
   }
-  [[gnu::always_inline]] void set(const Grid<D>& g, const double* x, double side = 0.0) {
+  [[gnu::always_inline]] void set(const Grid<D>& g, const double* x, Edge edge = {}) {
     each_of<D>([&](auto a) {
-      const double s = x[a] / g.h[a], edge = side / g.h[a];
-      centre[a].set(s - 0.5, edge, false, g.shape[a], g.periodic[a]);
-      face[a].set(s, edge, true, g.shape[a], g.periodic[a]);
+      const double s = x[a] / g.h[a];
+      const Edge cells = edge / g.h[a];
+      centre[a].set(s - 0.5, cells, false, g.shape[a], g.periodic[a]);
+      face[a].set(s, cells, true, g.shape[a], g.periodic[a]);
     });
   }
 

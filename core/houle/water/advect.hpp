@@ -65,8 +65,8 @@ void move(const Grid<D>& g, index n, ConstFaces<D> u, const Listed& porosity, co
       st.set(g, at);
       if (porosity) time /= st.template gather<-1>(cell_stride, porosity);
       std::array<double, D> v, own_side;
-      const auto take = [u, out = &own_side](const Beside<LinearKernel, D>& beside) { *out = beside.gather(u); };
-      if (beside_interface<LinearKernel, D>(g, stride, media, st, at, 0.0, take))
+      const auto take = [u, out = &own_side](const Beside<D>& beside) { *out = beside.gather(u); };
+      if (beside_interface<LinearKernel, D>(g, stride, media, st, at, {}, take))
         v = own_side;
       else
         each_of<D>([&](auto a) { v[a] = st.template gather<a>(stride[a], u[a]); });

@@ -31,10 +31,10 @@ template <int D, class Visit>
 inline void each_seen(const Grid<D>& g, const Stencil<LinearKernel, D>& st,
                       const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media, const double* x,
                       Visit visit) {
-  const auto own = [&](const Beside<LinearKernel, D>& beside) {
-    beside.each([&](auto a, index f, double w, double, const auto&) { visit(a, f, w); });
+  const auto own = [&](const Beside<D>& beside) {
+    beside.each([&](int a, index f, double w, double, const auto&) { visit(a, f, w); });
   };
-  if (!beside_interface<LinearKernel, D>(g, stride, media, st, x, 0.0, own))
+  if (!beside_interface<LinearKernel, D>(g, stride, media, st, x, {}, own))
     each_of<D>([&](auto a) { st.template each<a>(stride[a], [&](index f, double w, double) { visit(a, f, w); }); });
 }
 

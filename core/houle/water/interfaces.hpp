@@ -90,79 +90,109 @@ inline std::array<double, D> point(const double* x) {
   return at;
 }
 
-// The faces that a particle beside an interface sees, with weights that sum to 1.
-template <class K, int D>
+// The faces that a particle beside an interface sees, with weights that sum to 1. It is the same class for every
+// kernel, and what is computed with it is compiled once for all of them.
+template <int D>
 class Beside {
  public:
-  // at: the interface nearest to the particle at x; side: edge of the particle [m]
-  Beside(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride, const Interfaces<D>& media,
-         const Interface<D>& at, const double* x, double side)
-      : stride_(stride), media_(media), at_(at), side_(at.side(x)) {
-    stencil_.set(g, x, side);
+  // Fills the lists: the particle at x, of that edge [m], sees faces by the kernel K; at: the interface nearest to it.
+  // Returns whether it sees fewer faces than there are around it.
+  template <class K>
+  HOULE_NOINLINE bool look(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
+                           const Interfaces<D>& media, const Interface<D>& at, const double* x, Edge edge) {
+    static_assert(K::width <= widest);
+    Stencil<K, D> stencil;
+    stencil.set(g, x, edge);
+    const double own_side = at.side(x);
+    double total[D];
+    bool cut = false;
     each_of<D>([&](auto a) {
+      each_of<D>([&](auto b) { first_[a][b] = stencil.template along<a, b>().first; });
       double all = 0.0, own = 0.0;
-      stencil_.template each<a>(stride[a], [&](index f, double w, double) {
+      Face* end = faces_[a];
+      stencil.template each<a>(stride[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
+        const bool is_own = media.is_own(at, a, f, own_side);
         all += w;
-        own += is_own(a, f) ? w : 0.0;
+        own += is_own ? w : 0.0;
+        *end++ = {f, w, sign, k, is_own};
       });
-      total_[a] = 1.0 / all;
-      own_[a] = !at.across(a) && own > K::least_own * all ? 1.0 / own : 0.0;
-      cut_ = cut_ || (own != all && own_[a] > 0.0);
+      const bool part = !at.across(a) && own > K::least_own * all;
+      cut = cut || (part && own != all);
+      count_[a] = static_cast<int>(end - faces_[a]);
+      total[a] = 1.0 / (part ? own : all);
+      part_[a] = part;
     });
+    if (cut) divide(total);
+    return cut;
   }
-
-  explicit operator bool() const { return cut_; }  // true: it sees fewer faces than there are around it
-  const Stencil<K, D>& stencil() const { return stencil_; }
 
   // visit(axis, face, weight, sign of the mirrored normal component, offsets)
   template <class Visit>
   void each(Visit visit) const {
-    each_of<D>([&](auto a) {
-      const bool all = own_[a] == 0.0;
-      const double share = all ? total_[a] : own_[a];
-      stencil_.template each<a>(stride_[a], [&](index f, double w, double sign, const std::array<int, D>& k) {
-        if (all || is_own(a, f)) visit(a, f, w * share, sign, k);
-      });
-    });
+    for (int a = 0; a < D; ++a)
+      for (const Face *f = faces_[a], *end = f + count_[a]; f < end; ++f) visit(a, f->face, f->weight, f->sign, f->k);
   }
 
   template <class Field>
   std::array<double, D> gather(const Field& v) const {
     std::array<double, D> value{};
-    each([&](auto a, index f, double w, double sign, const auto&) { value[a] += w * sign * v[a][f]; });
+    each([&](int a, index f, double w, double sign, const auto&) { value[a] += w * sign * v[a][f]; });
     return value;
   }
 
- private:
-  Stencil<K, D> stencil_;
-  const std::array<std::array<index, D>, D>& stride_;
-  const Interfaces<D>& media_;
-  const Interface<D>& at_;
-  double side_;
-  bool cut_ = false;
-  double total_[D] = {}, own_[D] = {};  // 1 over the sum of the weights of all faces; of its own, 0: it sees all
+  // From the particle to a face of axis a, as Stencil::distance() [m].
+  std::array<double, D> distance(const Grid<D>& g, int a, const std::array<int, D>& k) const {
+    std::array<double, D> r;
+    for (int b = 0; b < D; ++b) r[b] = (first_[a][b] + k[b]) * g.h[b];
+    return r;
+  }
 
-  bool is_own(int a, index f) const { return media_.is_own(at_, a, f, side_); }
+ private:
+  static constexpr int widest = GaussianKernel::width;
+  struct Face {
+    index face;
+    double weight, sign;
+    std::array<int, D> k;
+    bool own;
+  };
+  Face faces_[D][D == 2 ? widest * widest : widest * widest * widest];
+  int count_[D];
+  bool part_[D];        // it sees its own faces only
+  double first_[D][D];  // way to the first face of each axis [cells]
+
+  // Leaves the faces that the particle sees, with their weights divided by the sum of these.
+  void divide(const double (&total)[D]) {
+    for (int a = 0; a < D; ++a) {
+      Face* kept = faces_[a];
+      for (Face *f = kept, *end = f + count_[a]; f < end; ++f) {
+        if (part_[a] && !f->own) continue;
+        *kept = *f;
+        kept++->weight *= total[a];
+      }
+      count_[a] = static_cast<int>(kept - faces_[a]);
+    }
+  }
 };
 
 // The rarer part of beside_interface(): a particle near to an interface.
 template <class K, int D, class Body>
 HOULE_NOINLINE inline bool see_less(const Grid<D> g, const std::array<std::array<index, D>, D> stride,
                                     const Interfaces<D> media, const Interface<D>* at, const std::array<double, D> x,
-                                    double side, const Body body) {
-  const Beside<K, D> beside(g, stride, media, *at, x.data(), side);
-  if (beside) body(beside);
-  return static_cast<bool>(beside);
+                                    Edge edge, const Body body) {
+  Beside<D> beside;
+  const bool less = beside.template look<K>(g, stride, media, *at, x.data(), edge);
+  if (less) body(beside);
+  return less;
 }
 
 // Calls body(beside) and returns true where the particle at x, with that stencil, sees less than all faces around it.
 template <class K, int D, class Body>
 [[gnu::always_inline]] inline bool beside_interface(const Grid<D>& g, const std::array<std::array<index, D>, D>& stride,
                                                     const Interfaces<D>& media, const Stencil<K, D>& st,
-                                                    const double* x, double side, const Body& body) {
+                                                    const double* x, Edge edge, const Body& body) {
   if (!media.number) return false;
   const Interface<D>* at = media.template near<K>(cell_of(g, st, x));
-  return at && see_less<K, D>(g, stride, media, at, point<D>(x), side, body);
+  return at && see_less<K, D>(g, stride, media, at, point<D>(x), edge, body);
 }
 
 }  // namespace houle

@@ -109,7 +109,7 @@ struct LatticeStencil {
     if (l.gates.count) compartment = l.compartment(x[0], floor_index(l.scaled(D - 1, x[D - 1]) - 0.5) + 2);
     for (int a = 0; a < D; ++a) {
       const double s = l.scaled(a, x[a]) - 0.5, base = std::floor(s);
-      M4PrimeKernel::weights(s, static_cast<index>(base) - 1, 0.0, w[a], nullptr);
+      M4PrimeKernel::weights(s, static_cast<index>(base) - 1, {}, w[a], nullptr);
       for (int k = 0; k < 4; ++k) {
         const index i = between_gates(a, static_cast<index>(base) + k - 1), inside = l.fold(a, i);
         at[a][k] = inside * l.stride[a];

@@ -181,7 +181,7 @@ class MassMatrix {
       for (index p = begin; p < end; ++p) {
         Reach<LinearKernel> reach[D];
         each_of<D>([&](auto b) {
-          reach[b].set(cloud.x[D * p + b] / g.h[b] - (b == a ? 0.0 : 0.5), 0.0, b == a, g.shape[b], g.periodic[b]);
+          reach[b].set(cloud.x[D * p + b] / g.h[b] - (b == a ? 0.0 : 0.5), {}, b == a, g.shape[b], g.periodic[b]);
           if (!g.periodic[b] && reach[b].node[0] == reach[b].node[1]) {  // beside a wall: one node
             reach[b].weight[0] = 1.0;
             reach[b].weight[1] = 0.0;

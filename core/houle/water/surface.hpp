@@ -36,7 +36,7 @@ void column_heights(const Grid<D>& g, const std::int32_t* start, const double* x
         const double v = volume[p] / area;
         const auto add = [=](const double* at) {
           Reach<QuadraticKernel> reach[D - 1];
-          each_of<D - 1>([&](auto a) { reach[a].set(at[a] / g.h[a] - 0.5, 0.0, false, g.shape[a], g.periodic[a]); });
+          each_of<D - 1>([&](auto a) { reach[a].set(at[a] / g.h[a] - 0.5, {}, false, g.shape[a], g.periodic[a]); });
           keep(reach[0], at);
           each_of<3>([&](auto i) {
             const index row = reach[0].node[i] * across;

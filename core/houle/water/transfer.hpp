@@ -161,8 +161,9 @@ void gather_cells(const Grid<D>& g, index n, const double* x, const double* fiel
   });
 }
 
-// The particles as a transfer knows them: positions (n, D) [m], edge length `side` (n,) [m] for the Gaussians (may be
-// null for other kernels), mass (n,), the weight of the momentum, V/n; start (cells + 1,) as cell_sort gives it.
+// The particles as a transfer knows them: positions (n, D) [m], edge length `side` (n,) [m] for the Gaussian (null:
+// they are points), mass (n,), the weight of the momentum, V/n; start (cells + 1,) as cell_sort gives it. exact: how
+// the Gaussian is integrated over a particle.
 template <int D>
 struct Cloud {
   index n;
@@ -171,34 +172,114 @@ struct Cloud {
   const double* mass;
   const std::int32_t* start;
   Interfaces<D> media;
-  double edge(index p) const { return side ? side[p] : 0.0; }
+  bool exact = false;
+  Edge edge(index p) const { return {side ? side[p] : 0.0, exact}; }
 };
 
+// For a particle beside an interface the functions below take the place of the loops of to_faces(), add_residual(),
+// to_particles() and affine_from(): the same for all kernels.
+
 // The centre (D, D) of the faces of each axis, as a particle beside an interface sees them, from the particle [m].
-template <class K, int D>
-inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, const Beside<K, D>& beside) {
+template <int D>
+inline std::array<std::array<double, D>, D> centre_of_faces(const Grid<D>& g, const Beside<D>& beside) {
   std::array<std::array<double, D>, D> centre{};
-  beside.each([&](auto a, index, double w, double, const auto& k) {
-    const auto r = beside.stencil().template distance<a>(g, k);
+  beside.each([&](int a, index, double w, double, const auto& k) {
+    const auto r = beside.distance(g, a, k);
     for (int b = 0; b < D; ++b) centre[a][b] += w * r[b];
   });
   return centre;
 }
 
-// Adds what a particle beside an interface gives to the masses and momenta of the faces; affine (D, D) or null.
-template <class K, int D>
-inline void give_beside(const Grid<D>& g, const Beside<K, D>& beside, double m, const double* u, const double* affine,
-                        const Faces<D>& mass, const Faces<D>& momentum) {
+// Adds what it gives to the masses and momenta of the faces; affine (D, D) or null.
+template <int D>
+void give_beside(const Grid<D>& g, const Beside<D>& beside, double m, const double* u, const double* affine,
+                 const Faces<D>& mass, const Faces<D>& momentum) {
   const auto centre = affine ? centre_of_faces(g, beside) : std::array<std::array<double, D>, D>{};
-  beside.each([&](auto a, index f, double w, double sign, const auto& k) {
+  beside.each([&](int a, index f, double w, double sign, const auto& k) {
     double value = u[a];
     if (affine) {
-      const auto r = beside.stencil().template distance<a>(g, k);
+      const auto r = beside.distance(g, a, k);
       for (int b = 0; b < D; ++b) value += affine[D * a + b] * (r[b] - centre[a][b]);
     }
     mass[a][f] += m * w;
     momentum[a][f] += m * w * sign * value;
   });
+}
+
+// Adds to the faces the momentum that it has and they do not show.
+template <int D>
+void give_residual_beside(const Beside<D>& beside, double m, const double* u, const Faces<D>& velocity,
+                          const Faces<D>& work) {
+  const auto seen = beside.gather(velocity);
+  beside.each(
+      [&](int a, index f, double w, double sign, const auto&) { work[a][f] += w * sign * m * (u[a] - seen[a]); });
+}
+
+// Its velocity u (D,) from the faces.
+template <int D>
+void take_beside(const Beside<D>& beside, const ConstFaces<D>& now, const ConstFaces<D>& change,
+                 const ConstFaces<D>& drag, double flip, double* u) {
+  const auto value = beside.gather(now);
+  std::array<double, D> kept{};  // share of the old velocity that drag leaves, then the velocity of FLIP
+  if (flip > 0.0) {
+    const auto added = beside.gather(change);
+    beside.each([&](int a, index f, double w, double, const auto&) { kept[a] += w * drag[a][f]; });
+    for (int a = 0; a < D; ++a) kept[a] = kept[a] * u[a] + added[a];
+  }
+  for (int a = 0; a < D; ++a) u[a] = flip * kept[a] + (1.0 - flip) * value[a];
+}
+
+// Solves M x = b for the least squares x.Mx - 2 b.x of some points, M (D, D) being their second moments [cells^2]: by
+// elimination with the largest pivots. It ends where the points that are left do not differ: along these axes x is 0.
+template <int D>
+inline void least_squares(double (&M)[D][D], double (&b)[D], double* x) {
+  constexpr double least = 1e-10;  // cells squared
+  int order[D], rank = 0;
+  for (int k = 0; k < D; ++k) order[k] = k, x[k] = 0.0;
+  for (; rank < D; ++rank) {
+    int best = rank;
+    for (int k = rank + 1; k < D; ++k)
+      if (M[order[k]][order[k]] > M[order[best]][order[best]]) best = k;
+    std::swap(order[rank], order[best]);
+    const int p = order[rank];
+    if (!(M[p][p] > least)) break;
+    for (int k = rank + 1; k < D; ++k) {
+      const int i = order[k];
+      const double share = M[i][p] / M[p][p];
+      for (int l = rank + 1; l < D; ++l) M[i][order[l]] -= share * M[p][order[l]];
+      b[i] -= share * b[p];
+    }
+  }
+  for (int k = rank; k-- > 0;) {
+    const int p = order[k];
+    double sum = b[p];
+    for (int l = k + 1; l < rank; ++l) sum -= M[p][order[l]] * x[order[l]];
+    x[p] = sum / M[p][p];
+  }
+}
+
+// APIC's velocity gradient (D, D) of a particle beside an interface: the gradient of the faces that it sees, about
+// their centre and their mean, by least squares. What the particle gives back to them then has no more energy than they
+// have. (If it does not see all corners of a box, the moments along different axes are not independent, as they are
+// elsewhere.)
+template <int D>
+void affine_beside(const Grid<D>& g, const Beside<D>& beside, const ConstFaces<D>& velocity, double* affine) {
+  const auto mean = beside.gather(velocity);
+  const auto centre = centre_of_faces(g, beside);
+  double first[D][D] = {}, second[D][D][D] = {};
+  beside.each([&](int a, index f, double w, double sign, const auto& k) {
+    const auto r = beside.distance(g, a, k);
+    double from[D];
+    for (int b = 0; b < D; ++b) from[b] = (r[b] - centre[a][b]) / g.h[b];
+    for (int b = 0; b < D; ++b) {
+      first[a][b] += w * (sign * velocity[a][f] - mean[a]) * from[b];
+      for (int c = 0; c < D; ++c) second[a][b][c] += w * from[b] * from[c];
+    }
+  });
+  for (int a = 0; a < D; ++a) {
+    least_squares<D>(second[a], first[a], affine + D * a);
+    for (int b = 0; b < D; ++b) affine[D * a + b] /= g.h[b];
+  }
 }
 
 // Mass-weighted mean velocity of the faces, (1/m_f) sum_p m_p w_fp u_p, and the face masses m_f = sum_p m_p w_fp [m^d].
@@ -213,7 +294,7 @@ void to_faces(const Grid<D>& g, const Cloud<D>& cloud, const double* u, const do
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      const auto give = [=](const Beside<K, D>& beside) {
+      const auto give = [=](const Beside<D>& beside) {
         give_beside(g, beside, cloud.mass[p], u + D * p, affine ? affine + D * D * p : nullptr, mass, velocity);
       };
       Stencil<K, D> st;
@@ -262,12 +343,8 @@ void add_residual(const Grid<D>& g, const Cloud<D>& cloud, const double* u, Cons
   }
   each_slab(g, cloud.start, [=](index begin, index end) {
     for (index p = begin; p < end; ++p) {
-      const auto give = [=](const Beside<K, D>& beside) {
-        const auto seen = beside.gather(velocity);
-        const double m = cloud.mass[p];
-        beside.each([&](auto a, index f, double w, double sign, const auto&) {
-          work[a][f] += w * sign * m * (u[D * p + a] - seen[a]);
-        });
+      const auto give = [=](const Beside<D>& beside) {
+        give_residual_beside(beside, cloud.mass[p], u + D * p, velocity, work);
       };
       Stencil<K, D> st;
       st.set(g, cloud.x + D * p, cloud.edge(p));
@@ -296,16 +373,7 @@ void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> now, Co
                   double flip, double* u) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
-    const auto take = [=](const Beside<K, D>& beside) {
-      const auto value = beside.gather(now);
-      std::array<double, D> kept{};  // share of the old velocity that drag leaves, then the velocity of FLIP
-      if (flip > 0.0) {
-        const auto added = beside.gather(change);
-        beside.each([&](auto a, index f, double w, double, const auto&) { kept[a] += w * drag[a][f]; });
-        for (int a = 0; a < D; ++a) kept[a] = kept[a] * u[D * p + a] + added[a];
-      }
-      for (int a = 0; a < D; ++a) u[D * p + a] = flip * kept[a] + (1.0 - flip) * value[a];
-    };
+    const auto take = [=](const Beside<D>& beside) { take_beside(beside, now, change, drag, flip, u + D * p); };
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
     if (beside_interface<K, D>(g, stride, cloud.media, st, cloud.x + D * p, cloud.edge(p), take)) return;
@@ -324,65 +392,12 @@ void to_particles(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> now, Co
   });
 }
 
-// Solves M x = b for the least squares x.Mx - 2 b.x of some points, M (D, D) being their second moments [cells^2]: by
-// elimination with the largest pivots. It ends where the points that are left do not differ: along these axes x is 0.
-template <int D>
-inline void least_squares(double (&M)[D][D], double (&b)[D], double* x) {
-  constexpr double least = 1e-10;  // cells squared
-  int order[D], rank = 0;
-  for (int k = 0; k < D; ++k) order[k] = k, x[k] = 0.0;
-  for (; rank < D; ++rank) {
-    int best = rank;
-    for (int k = rank + 1; k < D; ++k)
-      if (M[order[k]][order[k]] > M[order[best]][order[best]]) best = k;
-    std::swap(order[rank], order[best]);
-    const int p = order[rank];
-    if (!(M[p][p] > least)) break;
-    for (int k = rank + 1; k < D; ++k) {
-      const int i = order[k];
-      const double share = M[i][p] / M[p][p];
-      for (int l = rank + 1; l < D; ++l) M[i][order[l]] -= share * M[p][order[l]];
-      b[i] -= share * b[p];
-    }
-  }
-  for (int k = rank; k-- > 0;) {
-    const int p = order[k];
-    double sum = b[p];
-    for (int l = k + 1; l < rank; ++l) sum -= M[p][order[l]] * x[order[l]];
-    x[p] = sum / M[p][p];
-  }
-}
-
-// APIC's velocity gradient (D, D) of a particle beside an interface: the gradient of the faces that it sees, about
-// their centre and their mean, by least squares. What the particle gives back to them then has no more energy than they
-// have. (If it does not see all corners of a box, the moments along different axes are not independent, as they are
-// elsewhere.)
-template <class K, int D>
-inline void affine_beside(const Grid<D>& g, const Beside<K, D>& beside, ConstFaces<D> velocity, double* affine) {
-  const auto mean = beside.gather(velocity);
-  const auto centre = centre_of_faces(g, beside);
-  double first[D][D] = {}, second[D][D][D] = {};
-  beside.each([&](auto a, index f, double w, double sign, const auto& k) {
-    const auto r = beside.stencil().template distance<a>(g, k);
-    double from[D];
-    for (int b = 0; b < D; ++b) from[b] = (r[b] - centre[a][b]) / g.h[b];
-    for (int b = 0; b < D; ++b) {
-      first[a][b] += w * (sign * velocity[a][f] - mean[a]) * from[b];
-      for (int c = 0; c < D; ++c) second[a][b][c] += w * from[b] * from[c];
-    }
-  });
-  for (int a = 0; a < D; ++a) {
-    least_squares<D>(second[a], first[a], affine + D * a);
-    for (int b = 0; b < D; ++b) affine[D * a + b] /= g.h[b];
-  }
-}
-
 // APIC's velocity gradient (n, D, D), row a: C_ab = sum_f w u_f (x_f - x_p)_b / sum_f w (x_f - x_p)_b^2 (Jiang 2015).
 template <class K, int D>
 void affine_from(const Grid<D>& g, const Cloud<D>& cloud, ConstFaces<D> velocity, double* affine) {
   const auto stride = face_strides(g);
   parallel_for(cloud.n, [=](index p) {
-    const auto take = [=](const Beside<K, D>& beside) { affine_beside(g, beside, velocity, affine + D * D * p); };
+    const auto take = [=](const Beside<D>& beside) { affine_beside(g, beside, velocity, affine + D * D * p); };
     Stencil<K, D> st;
     st.set(g, cloud.x + D * p, cloud.edge(p));
     if (beside_interface<K, D>(g, stride, cloud.media, st, cloud.x + D * p, cloud.edge(p), take)) return;

@@ -40,13 +40,13 @@ LARGE = 100_000  # a flow with more particles gives its work space back before i
 class Behind(NamedTuple):
     """Faces in solids, and the open faces beside each, whose mean velocity they get after the projection.
 
-    face    (K,) flat numbers of the closed faces; count (K,) open faces beside each
+    face    (K,) flat numbers of the closed faces; around (K,) number of open faces beside each
     beside  (T,) flat numbers of all these open faces
-    number  (P,) which of `beside`, face after face; share (P,) 1 / count
+    number  (P,) which of `beside`, face after face; share (P,) 1 / around
     """
 
     face: NDArray[np.intp]
-    count: NDArray[np.intp]
+    around: NDArray[np.intp]
     beside: NDArray[np.int64]
     number: NDArray[np.intp]
     share: FloatArray
