@@ -3,6 +3,7 @@
 #include <houle/pressure/projection.hpp>
 #include <houle/water/advect.hpp>
 #include <houle/water/energy.hpp>
+#include <houle/water/friction.hpp>
 #include <houle/water/held.hpp>
 #include <houle/water/viscous.hpp>
 
@@ -45,6 +46,23 @@ static ClosedFaces<D> closed_of(const Grid<D>& g, const Closed& closed) {
     faces.at[a] = at.data;
   }
   return faces;
+}
+
+// The walls that rub: cells, first plane of each, cells in front of the planes, planes; houle.medium.rough_walls.
+using GivenWalls = std::tuple<LongNumbers, LongNumbers, LongNumbers, Given>;
+
+template <int D>
+static RoughWalls<D> walls_of(const Grid<D>& g, const GivenWalls& walls) {
+  static_assert(sizeof(WallPlane<D>) == (D + 2) * sizeof(double));
+  const auto& [cell, first, front, plane] = walls;
+  const auto planes = rows<WallPlane<D>>(plane, "walls: plane");
+  const auto listed = cell.view("walls: cell"), begins = first.view("walls: first");
+  require_table(listed, "walls: cell", Table::numbers, g.cells());
+  for (index k = 1; k < listed.size; ++k)
+    if (listed.data[k] <= listed.data[k - 1]) refuse("walls: cell must rise: two rows share the particles of a cell");
+  if (begins.size != listed.size + 1) wrong_size(begins, "walls: first", std::to_string(listed.size + 1));
+  require_table(begins, "walls: first", Table::starts, planes.n);
+  return {listed.size, listed.data, begins.data, numbers(front, planes.n, g.cells(), "walls: front"), planes.data};
 }
 
 template <int D>
@@ -180,16 +198,34 @@ static void bind_forces(nb::module_& m) {
   define(
       m, "viscous_acceleration",
       [](G g, Givens u, Givens mass, double least, double molecular, OptionalGiven nu, OptionalListed porosity,
-         std::array<bool, 2 * D> no_slip, Fields out) {
+         Fields out) {
         const double* eddies = cells(g, nu, "nu");
         const Listed pores = listed_of(g, porosity, "porosity");
         const auto uu = faces(g, u, "u"), mm = faces(g, mass, "mass");
         const auto oo = faces(g, out, "out");
         nb::gil_scoped_release release;
-        viscous_acceleration<D>(g, uu, mm, least, molecular, eddies, pores, no_slip.data(), oo);
+        viscous_acceleration<D>(g, uu, mm, least, molecular, eddies, pores, oo);
       },
-      "grid"_a, "u"_a, "mass"_a, "least"_a, "molecular"_a, "nu"_a.none(), "porosity"_a.none(), "no_slip"_a, "out"_a,
+      "grid"_a, "u"_a, "mass"_a, "least"_a, "molecular"_a, "nu"_a.none(), "porosity"_a.none(), "out"_a,
       "Viscous acceleration of the faces [m/s2].");
+  define(
+      m, "rub",
+      [](G g, GivenWalls walls, Numbers start, Given x, Given volume, Given bulk,
+         std::optional<Array<const float>> inertia, Given fill, double nu, double dt, Field u, Field impulse) {
+        const RoughWalls<D> rough = walls_of(g, walls);
+        const auto at = points<D>(x, "position");
+        const Rubbed<D> water{cell_start_of(g, start, at.n),         at.data,
+                              entries(volume, at.n, "volume"),       entries(bulk, at.n, "bulk"),
+                              entries(inertia, at.n * D, "inertia"), cells(g, fill, "fill")};
+        double *speed = entries(u, at.n * D, "velocity"),
+               *got = entries(impulse, D * std::get<2>(walls).view("walls: front").size, "impulse");
+        nb::gil_scoped_release release;
+        return rub<D>(g, rough, water, nu, dt, speed, got);
+      },
+      "grid"_a, "walls"_a, "start"_a, "position"_a, "volume"_a, "bulk"_a, "inertia"_a.none(), "fill"_a, "nu"_a, "dt"_a,
+      "velocity"_a, "impulse"_a,
+      "Slows particles down along the walls near them, by the law of the wall. Returns the energy taken per unit "
+      "density.");
   define(
       m, "face_kinetic_energy",
       [](G g, Givens mass, FaceNumbers number, Given table, Givens u) {
@@ -421,7 +457,10 @@ static void bind_step(nb::module_& m) {
 }
 
 void bind_flow(nb::module_& m) {
-  m.attr("thinnest_sheet") = thinnest_sheet;
+  define(
+      m, "wall_shear", [](double v, double y, double nu, double roughness) { return wall_shear(v, y, nu, roughness); },
+      "speed"_a, "distance"_a, "nu"_a, "roughness"_a,
+      "Shear stress of a wall per unit density, by the law of the wall [m2/s2].");
   bind_sums(m);
   bind_step<2>(m);
   bind_step<3>(m);

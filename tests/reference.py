@@ -370,46 +370,64 @@ def eddy_viscosity(grid, u, molecular, constant):
     return molecular + width**2 * np.sqrt(2.0 * np.sum(strain**2, axis=(0, 1)))
 
 
-def wall_shear(v, y, nu):
-    """v_*^2 of the law of the wall or of the viscous sublayer, whichever gives the lower v_* y / nu at this v."""
+def wall_shear(v, y, nu, roughness=0.0):
+    """v_*^2 of the law of the wall, smooth to rough, or of the viscous sublayer where that is more."""
+    y = max(y, 0.5 * roughness)
     if nu <= 0.0:
-        return 0.0
-    re = abs(v) * y / nu
-    if re <= 11.53**2:
+        return v * abs(v) * (0.41 / np.log(30.0 * y / roughness)) ** 2 if roughness > 0.0 else 0.0
+    re, c = abs(v) * y / nu, 9.8 / 30.0 * roughness / y
+    if re <= (36.0 if roughness > 0.0 else 11.53**2):
         return nu * v / y
-    s = brentq(lambda s: s * np.log(9.8 * s) - 0.41 * re, 1.0, re, xtol=1e-14, rtol=1e-14)
-    return v * abs(v) * (s / re) ** 2
+    least = 1.0 / (9.8 - c)  # the logarithm is 0 there
+    s = brentq(lambda s: s * np.log(9.8 * s / (1.0 + c * s)) - 0.41 * re, least, re, xtol=1e-14, rtol=1e-14)
+    return max(nu * abs(v) / y, (abs(v) * s / re) ** 2) * np.sign(v)
 
 
-def viscous_acceleration(grid, u, mass, least, molecular, nu, porosity, no_slip):
-    """nu lap(u) / n on the faces that hold water; no gradient towards the others; the shear of no-slip walls."""
+def rub(grid, cell, first, front, plane, start, x, volume, bulk, inertia, fill, nu, dt, u):
+    """Velocities after the friction of walls, impulse of each plane, energy taken: core/houle/water/friction.hpp."""
+    d, u, impulse, taken = grid.dimension, u.copy(), np.zeros((len(plane), grid.dimension)), 0.0
+    for row, c in enumerate(cell):
+        for k in range(first[row], first[row + 1]):
+            normal, offset, roughness = plane[k, :d], plane[k, d], plane[k, d + 1]
+            h = normal**2 @ grid.spacing
+            sheet = h * min(max(fill.ravel()[front[k]], 0.25), 1.0)
+            for p in range(start[c], start[c + 1]):
+                away = normal @ x[p] - offset
+                share = min(max(1.5 - max(away, 0.0) / h, 0.0), 1.0)
+                along = u[p] - (normal @ u[p]) * normal
+                v = np.linalg.norm(along)
+                if share == 0.0 or away < -0.25 * h or volume[p] < 0.999 * bulk[p] or v == 0.0:
+                    continue
+                rate = share * wall_shear(v, max(away, 0.5 * sheet), nu, roughness) / (v * sheet)
+                mass, before = bulk[p] * (inertia[p] if inertia is not None else 1.0), u[p].copy()
+                u[p] -= along * rate * dt / (1.0 + rate * dt)
+                impulse[k] += mass * (before - u[p])
+                taken += 0.5 * np.sum(mass * (before**2 - u[p] ** 2))
+    return u, impulse, taken
+
+
+def viscous_acceleration(grid, u, mass, least, nu, porosity):
+    """nu lap(u) / n on the faces that hold water; no gradient towards the others and along walls."""
     out = grid.faces()
     for a in range(grid.dimension):
         for i in np.ndindex(*grid.face_shape(a)):
             low, high = beside(grid, a, i)
             if mass[a][i] <= least or low is None or high is None:
                 continue
-            laplacian = wall = 0.0
+            laplacian = 0.0
             n = 1.0 if porosity is None else 0.5 * (porosity[low] + porosity[high])
             for b, h in enumerate(grid.spacing):
                 for s in (-1, 1):
-                    j, across = list(i), list(i)
+                    j = list(i)
                     j[b] += s
-                    across[b] -= s
                     if grid.periodic[b]:
                         j[b] %= grid.shape[b]
                     if not 0 <= j[b] < u[a].shape[b]:  # behind a wall
-                        if not no_slip[b][s > 0]:
-                            continue
-                        inner = mass[a][tuple(across)] if 0 <= across[b] < u[a].shape[b] else mass[a][i]
-                        sheet = min(max((mass[a][i] + inner) / grid.cell_volume, 0.25), 1.0) * h
-                        linear = (nu[low] + nu[high]) * u[a][i] / h**2
-                        wall += wall_shear(u[a][i], 0.5 * sheet, molecular) / sheet if n == 1.0 else linear
                         continue
                     at_wall = b == a and not grid.periodic[a] and j[a] in (0, grid.shape[a])
                     if mass[a][tuple(j)] > least or at_wall:
                         laplacian += (u[a][tuple(j)] - u[a][i]) / h**2
-            out[a][i] = (0.5 * (nu[low] + nu[high]) * laplacian - wall) / n
+            out[a][i] = 0.5 * (nu[low] + nu[high]) * laplacian / n
     return out
 
 

@@ -75,8 +75,7 @@ bool work(const houle::Grid<D>& g, double level) {
   matrix.transfer(cloud, water.u.data(), 3, velocity.all(), mass.all(), next.all(), {});
   std::vector<double> nu(static_cast<std::size_t>(g.cells())), sums(water.volume.size());
   houle::eddy_viscosity<D>(g, velocity.all(), 1e-6, 0.1, nu.data());
-  const bool no_slip[2 * D] = {true, true, true, true};
-  houle::viscous_acceleration<D>(g, velocity.all(), mass.all(), 0.0, 1e-6, nu.data(), {}, no_slip, next.all());
+  houle::viscous_acceleration<D>(g, velocity.all(), mass.all(), 0.0, 1e-6, nu.data(), {}, next.all());
   houle::Neighbours<D> near{g, {}, n, water.x.data(), start.data()};
   houle::density_sum(near, houle::WendlandC2(D, 2.0 * g.h[0]), water.volume.data(), sums.data());
   houle::velocity_gradient(near, houle::WendlandC2(D, 2.0 * g.h[0]), water.u.data(), water.volume.data(),

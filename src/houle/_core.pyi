@@ -126,8 +126,6 @@ class MassMatrix3:
     ) -> None:
         """Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual."""
 
-thinnest_sheet: float = 0.25
-
 def set_threads(threads: int) -> None: ...
 
 def get_threads() -> int: ...
@@ -236,6 +234,9 @@ def affine_from(
     interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
 ) -> None:
     """APIC's velocity gradient at the particles."""
+
+def wall_shear(speed: float, distance: float, nu: float, roughness: float) -> float:
+    """Shear stress of a wall per unit density, by the law of the wall [m2/s2]."""
 
 def kinetic_energy(
     bulk: numpy.typing.NDArray[numpy.float64],
@@ -376,10 +377,25 @@ def viscous_acceleration(
     molecular: float,
     nu: numpy.typing.NDArray[numpy.float64] | None,
     porosity: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64]] | None,
-    no_slip: Sequence[bool],
     out: Sequence[numpy.typing.NDArray[numpy.float64]],
 ) -> None:
     """Viscous acceleration of the faces [m/s2]."""
+
+def rub(
+    grid: Grid2 | Grid3,
+    walls: tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]],
+    start: numpy.typing.NDArray[numpy.int32],
+    position: numpy.typing.NDArray[numpy.float64],
+    volume: numpy.typing.NDArray[numpy.float64],
+    bulk: numpy.typing.NDArray[numpy.float64],
+    inertia: numpy.typing.NDArray[numpy.float32] | None,
+    fill: numpy.typing.NDArray[numpy.float64],
+    nu: float,
+    dt: float,
+    velocity: numpy.typing.NDArray[numpy.float64],
+    impulse: numpy.typing.NDArray[numpy.float64],
+) -> float:
+    """Slows particles down along the walls near them, by the law of the wall. Returns the energy taken per unit density."""
 
 def face_kinetic_energy(
     grid: Grid2 | Grid3,

@@ -37,6 +37,8 @@ from houle import _core
 from houle.grid import Grid
 from houle.medium.columns import Capacity
 from houle.medium.medium import Medium
+from houle.medium.patches import Surfaces
+from houle.medium.rough_walls import RoughWalls
 from houle.medium.sections import PorousBody
 from houle.medium.shapes import Box
 
@@ -137,6 +139,10 @@ class World:
             "uniform": m.listed("uniform"),
         }
         halves = tuple(2 * k for k in self.grid.shape)
+        surfaces = Surfaces(self.grid, m.open_cells, m.bodies, m.solids)
+        rough = RoughWalls.of(surfaces, [0.0] * len(m.solids), {"bottom": 0.01, "top": 0.0})
+        nowhere = np.zeros(0, np.int64)
+        walls = tuple(rough[:4]) if rough else (nowhere, np.zeros(1, np.int64), nowhere, np.zeros((0, d + 2)))
         named = lambda name, arguments, *written: (name, getattr(_core, name), arguments, written)  # noqa: E731
         return [
             named("cell_sort", {"grid": g, "position": x, "cell": self.integers(n), "order": self.integers(n),
@@ -200,8 +206,11 @@ class World:
             named("eddy_viscosity", {"grid": g, "u": faces, "molecular": 1e-6, "constant": 0.2, "nu": self.cells()},
                   "nu"),
             named("viscous_acceleration", {"grid": g, "u": faces, "mass": positive, "least": 1e-3, "molecular": 1e-6,
-                                           "nu": self.cells(), "porosity": pores, "no_slip": [True] * (2 * d),
-                                           "out": self.faces()}, "out"),
+                                           "nu": self.cells(), "porosity": pores, "out": self.faces()}, "out"),
+            named("rub", {"grid": g, "walls": walls, "start": start, "position": x, "volume": volume,
+                          "bulk": self.each(), "inertia": inertia, "fill": cells, "nu": 1e-6, "dt": 0.1, "velocity": u,
+                          "impulse": np.zeros((len(walls[3]), d))}, "velocity", "impulse"),
+            named("wall_shear", {"speed": 1.0, "distance": 0.01, "nu": 1e-6, "roughness": 1e-3}),
             named("face_kinetic_energy", {"grid": g, "mass": positive, "number": numbers, "table": m.materials,
                                           "u": faces}),
             named("face_power", {"grid": g, "mass": positive, "u": faces, "acceleration": self.faces()}),

@@ -13,6 +13,7 @@
 #include <houle/water/crossing.hpp>
 #include <houle/water/energy.hpp>
 #include <houle/water/forces.hpp>
+#include <houle/water/friction.hpp>
 #include <houle/water/held.hpp>
 #include <houle/water/mass_matrix.hpp>
 #include <houle/water/remesh.hpp>
@@ -26,7 +27,7 @@
 #define HOULE_PRESSURE(I) I(pressure_system) I(project) I(extrapolate) I(continue_upwards) I(stop_at_solids)
 #define HOULE_FLOW(I)                                                                                       \
   I(column_heights) I(column_levels) I(find_surface) I(water_above) I(water_held) I(density_excess)         \
-  I(apply_forces) I(drag_work) I(eddy_viscosity) I(viscous_acceleration) I(face_kinetic_energy)             \
+  I(apply_forces) I(drag_work) I(eddy_viscosity) I(viscous_acceleration) I(rub) I(face_kinetic_energy)      \
   I(face_power) I(kinetic_energy) I(max_speed) I(move) I(travel) I(drift) I(displace) I(all_leave_solids)
 #define HOULE_CROSSING(I)                                                                                   \
   I(sample_medium) I(hold_faces) I(carry) I(fall_behind) I(settle) I(cell_energy) I(scale_by_cell)          \

@@ -45,36 +45,12 @@ void eddy_viscosity(const Grid<D>& g, ConstFaces<D> u, double molecular, double 
   });
 }
 
-// Shear stress over density [m2/s2] of a smooth wall on water that runs along it with speed v at distance y. In the
-// viscous sublayer it is nu v / y; above it, it follows from the law of the wall, v / v_* = ln(9.8 y v_*/nu) / 0.41
-// (Nikuradse 1932; as in Launder & Spalding 1974, Comput. Methods Appl. Mech. Eng. 3, 269).
-inline double wall_shear(double v, double y, double nu) {
-  constexpr double karman = 0.41, smooth = 9.8, sublayer = 11.53;  // y v_*/nu where both laws meet
-  if (nu <= 0.0) return 0.0;
-  const double re = std::abs(v) * y / nu;
-  if (!(re > sublayer * sublayer)) return nu * v / y;
-  double s = sublayer;  // y v_*/nu: root of s ln(9.8 s) = karman re, convex, by Newton's method
-  for (int k = 0; k < 8; ++k) {
-    const double l = std::log(smooth * s);
-    s = (karman * re + s) / (l + 1.0);
-  }
-  return v * std::abs(v) * (s / re) * (s / re);
-}
-
-// The least thickness [cells] of a sheet of water that runs along a wall: thinner ones count as this, as they would ask
-// for shorter steps.
-constexpr double thinnest_sheet = 0.25;
-
-// Viscous acceleration on the faces, nu lap(u_d) / n (13), of second order, with zero gradient towards empty faces: out
-// [m/s2]. no_slip[2a], [2a+1]: true if the low and the high wall of axis a hold the water, else it slips. A wall that
-// holds it shears the water in the cells beside it, or the thinner sheet that there is: in porous bodies with the
-// gradient to the wall, in clear water as wall_shear() says. nu (cells, null: `molecular`), porosity (cells, null: 1),
-// mass (faces) and the least mass of a face that holds water.
+// Viscous acceleration on the faces, nu lap(u_d) / n (13), of second order, with zero gradient towards empty faces and
+// along walls, whose friction acts on particles (friction.hpp): out [m/s2]. nu (cells, null: `molecular`), porosity
+// (cells, null: 1), mass (faces) and the least mass of a face that holds water.
 template <int D>
 void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass, double least, double molecular,
-                          const double* nu, const Listed& porosity, const bool* no_slip, Faces<D> out) {
-  std::array<bool, 2 * D> hold;
-  for (int k = 0; k < 2 * D; ++k) hold[k] = no_slip[k];
+                          const double* nu, const Listed& porosity, Faces<D> out) {
   constexpr int up = D - 1;
   const index nz = g.shape[up];
   each_of<D>([&](auto axis) {
@@ -105,7 +81,7 @@ void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass,
             const index cl = a == up ? low + inside(k - 1, nz, true) : low + k, ch = a == up ? high + k % nz : high + k;
             const double n = porosity ? 0.5 * (porosity[cl] + porosity[ch]) : 1.0;
             const double nu_f = nu ? 0.5 * (nu[cl] + nu[ch]) : molecular;
-            double laplacian = 0.0, wall = 0.0;
+            double laplacian = 0.0;
             each_of<D>([&](auto axis_b) {
               constexpr int b = decltype(axis_b)::value;
               index near[2];
@@ -121,14 +97,8 @@ void viscous_acceleration(const Grid<D>& g, ConstFaces<D> u, ConstFaces<D> mass,
                 }
                 if (near[s] >= 0 && (m[near[s]] > least || end)) laplacian += (v[near[s]] - v[f]) * inverse_h2[b];
               }
-              for (int s = 0; s < 2; ++s) {
-                if (near[s] >= 0 || !hold[2 * b + s]) continue;  // no wall along which this component runs
-                const double filled = (m[f] + (near[1 - s] < 0 ? m[f] : m[near[1 - s]])) / g.cell_volume();
-                const double sheet = std::clamp(filled, thinnest_sheet, 1.0) * g.h[b];
-                wall += n < 1.0 ? 2.0 * nu_f * v[f] * inverse_h2[b] : wall_shear(v[f], 0.5 * sheet, molecular) / sheet;
-              }
             });
-            o[f] = (nu_f * laplacian - wall) / n;
+            o[f] = nu_f * laplacian / n;
           }
         },
         16);

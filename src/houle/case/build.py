@@ -58,6 +58,8 @@ def build(case: Case) -> Setup:
         numerics=Numerics(**case.numerics.model_dump()),
         time=TimeControl(case.time.end, case.time.courant, case.time.step, viscous_step(case)),
         no_slip=case.domain.walls.no_slip(d),
+        rough=tuple(entry.roughness for entry in case.solid),
+        rough_sides=case.domain.walls.rough(d, smooth=case.numerics.scheme != "jh2020"),
         settles=not any(BOUNDARIES[key].divides for key, _ in case.standing),
         boundaries=_boundaries(case, wave),
         instruments=instruments(case),
@@ -93,8 +95,7 @@ def first_rows(case: Case) -> int:
 
 def viscous_step(case: Case) -> float:
     """Longest stable time step [s] with the viscosity of the fluid, which is explicit; inf without."""
-    no_slip = any(map(any, case.domain.walls.no_slip(case.dimension)))
-    return longest_step(case.domain.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020", no_slip)
+    return longest_step(case.domain.grid, case.fluid.viscosity, case.numerics.scheme == "jh2020")
 
 
 def _boundaries(case: Case, wave: Wave | None) -> tuple[Make, ...]:

@@ -24,6 +24,7 @@ from houle.case.section import CrossSection
 from houle.check.answers import overtopping_resolved
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.finding import Finding
+from houle.check.friction import friction_counts
 from houle.check.machine import memory_suffices
 from houle.check.ship import ship_fits
 from houle.check.waves import sponges_fit, waves_fit
@@ -309,6 +310,7 @@ CHECKS = (
     sponges_fit,
     open_sides_fit,
     moving_walls_fit,
+    friction_counts,
     overtopping_resolved,
     reference_is_there,
 )

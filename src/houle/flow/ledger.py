@@ -20,7 +20,7 @@ from houle.flow.component import Component, State
 from houle.flow.particles import Particles
 from houle.grid import FloatArray
 
-WORKS = ("drag_work", "viscous_work", "sponge_work", "source_work", "open_work")
+WORKS = ("drag_work", "viscous_work", "friction_work", "sponge_work", "source_work", "open_work")
 OPERATIONS = ("forces", "projection", "transfer", "advection", "exchange", "correction", "remeshing")
 
 
@@ -75,7 +75,8 @@ class Ledger(Component):
     notes          numbers of the last step: iterations of the solver, divergence
     volume0        volume of the water at the start [m^d]
     drag_work      energy that the porous bodies took
-    viscous_work   energy that the viscosity took
+    viscous_work   energy that the viscosity took, with that taken by the no-slip walls of `viscosity`
+    friction_work  energy that rough and smooth walls and solids took
     sponge_work    energy that sponges and relaxation zones took
     source_work    work on the water of moving walls and of boundaries that push it, as wave makers do
     open_work      work of the pressure at open sides on the water
@@ -89,7 +90,7 @@ class Ledger(Component):
         self.energy: dict[str, float] = dict.fromkeys(OPERATIONS, 0.0)
         self.notes: dict[str, float] = {}
         self.volume0 = flow.particles.total_volume
-        self.drag_work = self.viscous_work = self.sponge_work = 0.0
+        self.drag_work = self.viscous_work = self.friction_work = self.sponge_work = 0.0
         self.source_work = self.open_work = self.given = 0.0
         self.kinetic, self.potential = 0.0, 0.0
         self._gave = 0.0  # `_net` at the end of the last step

@@ -6,8 +6,8 @@ because it builds its flow anew on a higher grid when the water rises (rows.py).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from math import inf
 
 from houle.flow.boundaries import Boundary
@@ -101,6 +101,8 @@ class Setup:
     bodies      porous bodies; where two overlap, the later one holds
     solids      impermeable shapes, one for each body of the case
     no_slip     per axis, last up: whether the low and the high wall hold the water back along them
+    rough       roughness k_s of each solid [m]: 0 for smooth ones, None where the water slips along it
+    rough_sides sides of the tank that rub, and their roughness [m]
     settles     whether water beside upright interfaces is seeded as flow leaves it (`Medium`): not where gates stand
     boundaries  functions that make one boundary each, in this order
     instruments instruments that observe the flow, one entry for each kind
@@ -119,6 +121,8 @@ class Setup:
     bodies: tuple[PorousBody, ...] = ()
     solids: tuple[Shape, ...] = ()
     no_slip: tuple[tuple[bool, bool], ...] | None = None
+    rough: tuple[float | None, ...] = ()
+    rough_sides: Mapping[str, float] = field(default_factory=dict)
     settles: bool = True
     boundaries: tuple[Make, ...] = ()
     wave: Wave | None = None

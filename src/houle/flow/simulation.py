@@ -32,7 +32,10 @@ from houle.flow.state import Flow
 from houle.flow.step import STEPS
 from houle.flow.surface import arrange
 from houle.flow.transfer import TRANSFERS
+from houle.grid import Grid
 from houle.medium.medium import Medium
+from houle.medium.patches import Surfaces
+from houle.medium.rough_walls import RoughWalls
 from houle.waves.wave import Wave
 
 
@@ -70,6 +73,7 @@ class Simulation(Component):
             grid, self.medium, water, gravity=fluid.acceleration,
             kernel=numerics.kernel, tolerance=numerics.tolerance,
             viscosity=fluid.viscosity, smagorinsky=fluid.smagorinsky, no_slip=setup.no_slip,
+            walls=self._walls(grid),
             boundaries=[make(grid, self.medium, water) for make in setup.boundaries],
         )  # fmt: skip
         transfer = TRANSFERS[numerics.transfer].of(order=numerics.order, flip=numerics.flip)
@@ -80,6 +84,16 @@ class Simulation(Component):
         self.observers: list[Observer[Any]] = [kind.place(self.flow) for kind in setup.instruments]
         self.frames = setup.frames(self.flow, self.grid, fluid.density)
         self.budget = Budget(self.flow)
+
+    def _walls(self, grid: Grid) -> RoughWalls | None:
+        """The walls of the setup that rub, on a grid of its lowest rows; the lid only where the grid reaches it."""
+        setup, medium = self.setup, self.medium
+        rough = setup.rough or (None,) * len(medium.solids)
+        below = grid.shape[-1] < self.grid.shape[-1]
+        sides = {side: k for side, k in setup.rough_sides.items() if not (side == "top" and below)}
+        if not sides and not any(k is not None for k in rough):
+            return None
+        return RoughWalls.of(Surfaces(grid, medium.open_cells, medium.bodies, medium.solids), rough, sides)
 
     @property
     def time(self) -> float:

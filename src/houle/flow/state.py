@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from houle.grid import Core, Faces, FloatArray, Grid, Listed, spread, widened
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
 from houle.medium.medium import Medium
+from houle.medium.rough_walls import RoughWalls
 from houle.medium.shapes import Box
 
 if TYPE_CHECKING:
@@ -36,6 +37,21 @@ AROUND = 4  # cells on each side of a gate that are flooded to measure what the 
 LARGE = 100_000  # a flow with more particles gives its work space back before it remeshes
 
 
+class Behind(NamedTuple):
+    """Faces in solids, and the open faces beside each, whose mean velocity they get after the projection.
+
+    face    (K,) flat numbers of the closed faces; around (K,) number of open faces beside each
+    beside  (T,) flat numbers of all these open faces
+    number  (P,) which of `beside`, face after face; share (P,) 1 / around
+    """
+
+    face: NDArray[np.intp]
+    around: NDArray[np.intp]
+    beside: NDArray[np.int64]
+    number: NDArray[np.intp]
+    share: FloatArray
+
+
 class Flow(Tank):
     """The water in a tank, its boundaries, and the numbers of the method that moves it.
 
@@ -44,6 +60,7 @@ class Flow(Tank):
     tolerance     largest max |div u_d| dt that the projection may leave [-]
     viscosity     kinematic viscosity [m2/s]; smagorinsky: constant C_s of the eddy viscosity [-]
     no_slip       per axis: whether the low and the high wall hold the water back along them
+    walls         the walls that rub, of solids and sides of the tank; None where none does
     boundaries    in the order in which they act
 
     A flow is *arranged* when its particles are sorted by cell, the medium is sampled where they are, and the free
@@ -63,6 +80,7 @@ class Flow(Tank):
         viscosity: float = 0.0,
         smagorinsky: float = 0.0,
         no_slip: tuple[tuple[bool, bool], ...] | None = None,
+        walls: RoughWalls | None = None,
         boundaries: Sequence[Boundary] = (),
     ) -> None:
         super().__init__(grid, medium, particles, gravity)
@@ -70,6 +88,9 @@ class Flow(Tank):
         self.tolerance = tolerance
         self.viscosity, self.smagorinsky = viscosity, smagorinsky
         self.no_slip = [side for pair in no_slip or ((False, False),) * grid.dimension for side in pair]
+        self.walls = walls
+        planes = 0 if walls is None else len(walls.plane)
+        self.impulse = np.zeros((planes, grid.dimension))  # given to each plane of `walls` in a step [m^d m/s]
         self.porous = bool(np.any(medium.porosity < 1.0))
         self.column_porosity = column_pores(grid, medium)
 
@@ -187,6 +208,24 @@ class Flow(Tank):
             where = np.flatnonzero(np.moveaxis(np.maximum(wide[:-1], wide[1:]) > HEAVY, 0, axis))
             found.append((where, self._beside(axis)[where]))
         return found
+
+    @cached_property
+    def behind_walls(self) -> list[Behind]:
+        """The closed faces of each axis beside open ones, in tanks with walls that rub: else no axes.
+
+        Faces on a solid's face that is parallel to them are left out: what crosses it is stopped by the pressure.
+        """
+        found, open_cells = [], self.medium.open_cells
+        for axis, faces in enumerate(self.medium.open_faces if self.walls is not None else []):
+            wide = widened(open_cells, axis, self.grid.periodic[axis])
+            on_face = np.moveaxis((wide[:-1] == 1.0) | (wide[1:] == 1.0), 0, axis).ravel()
+            around, is_open = self._beside(axis), faces.ravel() > 0.0
+            face = np.flatnonzero(~is_open & ~on_face & is_open[around].any(axis=1))
+            known = is_open[around[face]]
+            beside, number = np.unique(around[face][known], return_inverse=True)
+            share = (known / np.maximum(known.sum(axis=1, keepdims=True), 1))[known]
+            found.append(Behind(face, known.sum(axis=1), beside, number.ravel(), share))
+        return found if any(len(axis.face) for axis in found) else []
 
     def _beside(self, own: int) -> NDArray[np.int64]:
         """Flat numbers (faces, 2 d) of the faces of an axis beside each: before and after it along every axis.

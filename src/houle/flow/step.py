@@ -13,7 +13,7 @@ from typing import ClassVar
 
 from houle.flow.component import Component
 from houle.flow.correction import correct_positions
-from houle.flow.forces import apply_forces, drive, make_waves, sph_viscosity, viscosity
+from houle.flow.forces import apply_forces, drive, gather_behind, make_waves, rub, sph_viscosity, viscosity
 from houle.flow.ledger import Ledger
 from houle.flow.motion import arrive, drift, exchange, limit_energy, move, move_walls
 from houle.flow.projection import project
@@ -47,8 +47,10 @@ class Step(Component):
     def advance(self, flow: Flow, dt: float, ledger: Ledger) -> None:
         """Advances an arranged flow, for which `motion.begin` was called, by dt [s]. On return it is arranged again."""
         kick = flow.kick_of(dt)  # time over which the forces act, from middle to middle of two steps
+        rub(flow, kick, ledger)  # the law of the wall, on particles near solids and sides that rub
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)  # Darcy velocity on the faces
+            gather_behind(flow)
         with ledger.operation("forces"):
             acceleration = viscosity(flow, kick, ledger)  # (3), on the grid
             drive(flow, dt)  # velocities at open sides
@@ -101,6 +103,7 @@ class PaperStep(Component):
             find_surface(flow)
         with ledger.operation("forces"):
             sph_viscosity(flow, dt, ledger)  # (3) in (13), on the particles
+        rub(flow, dt, ledger)
         with ledger.operation("transfer"):
             self.transfer.to_grid(flow)
         with ledger.operation("forces"):

@@ -30,22 +30,18 @@ KERNEL_STIFFNESS = {"wendland": 14.0, "gaussian": 18.0}  # radius^2 times the in
 REACH = 2.0  # grid spacings within which the sums between particles see neighbours
 
 
-def longest_step(grid: Grid, viscosity: float, between_particles: bool, no_slip: bool) -> float:
+def longest_step(grid: Grid, viscosity: float, between_particles: bool) -> float:
     """Longest stable step [s] of the explicit viscous term with a viscosity [m2/s]; inf without viscosity.
 
     between_particles  whether the term is a sum over particles, or one on the faces of the grid
-    no_slip            whether the tank has a no-slip wall
 
-    On faces nu lap(u) has eigenvalues up to 4 nu sum 1/h^2, and twice that is allowed for; a no-slip wall takes the
-    velocity of a sheet of thickness s at the rate 2 nu / s^2. The law of the wall asks for no shorter steps than the
-    Courant limit: the share v_*^2 / v^2 h / s that it takes in one stays below 3 %. Eddies do not count: theirs is a
-    share C_s^2 dt |S| of it, below a tenth at the steps that the Courant limit allows.
+    On faces nu lap(u) has eigenvalues up to 4 nu sum 1/h^2, and twice that is allowed for. The friction of walls is
+    implicit. Eddies do not count: theirs is a share C_s^2 dt |S| of it, below a tenth at the steps that the Courant
+    limit allows.
     """
     if between_particles:
         return Smoothing(grid, (), REACH * max(grid.spacing)).time_step_limit(viscosity)
     spectrum = 8 * viscosity * sum(1 / h**2 for h in grid.spacing)
-    if no_slip:
-        spectrum += 2 * viscosity / (_core.thinnest_sheet * min(grid.spacing)) ** 2
     return 2 / spectrum if spectrum > 0 else np.inf
 
 

@@ -15,9 +15,10 @@ from houle.flow.observer import Instrument, Now, Observer, Sample, Site
 from houle.flow.state import Flow
 from houle.grid import FloatArray, axes
 from houle.medium.integrals import Measure, over_cells
+from houle.medium.patches import SIDES, Patches, Surfaces
+from houle.medium.rough_walls import number_of_side
 from houle.medium.sections import partition
 from houle.observe.levels import wet_share
-from houle.observe.patches import SIDES, Patches, patches_of_side, patches_of_solid
 from houle.observe.points import cell_below, still_gravity
 
 Load = tuple[FloatArray, FloatArray]  # force / rho, moment / rho
@@ -50,13 +51,14 @@ class Force(Instrument):
 
     def place(self, site: Site, flow: Flow) -> SurfaceLoad | BodyLoad:
         """The structure in a flow: a surface or a body, which gives its load."""
-        about, body = np.array(self.centre(site)), self.body or ""
+        about, body, medium = np.array(self.centre(site)), self.body or "", flow.medium
+        surfaces = Surfaces(flow.grid, medium.open_cells, medium.bodies, medium.solids)
         if self.side is not None:
-            return SurfaceLoad(flow, patches_of_side(flow, self.side), about)
+            return SurfaceLoad(flow, surfaces.of_side(self.side), about, number_of_side(self.side))
         if body in site.porous:
             return BodyLoad(flow, list(site.porous).index(body), about)
-        solid = flow.medium.solids[list(site.solid).index(body)]
-        return SurfaceLoad(flow, patches_of_solid(flow, solid), about)
+        number = list(site.solid).index(body)
+        return SurfaceLoad(flow, surfaces.of_solid(medium.solids[number]), about, number)
 
 
 class Forces(Observer[Force]):
@@ -70,7 +72,8 @@ class Forces(Observer[Force]):
             "F",
             "N",
             "structure",
-            "force of the water on the structure: its pressure, and inside a porous body buoyancy, drag and inertia",
+            "force of the water on the structure: its pressure and friction, and inside a porous body buoyancy, "
+            "drag and inertia",
             unit_2d="N m-1",
             vector=True,
             instant="pressure",
@@ -84,6 +87,16 @@ class Forces(Observer[Force]):
             unit_2d="N m-1",
             vector=True,
             instant="pressure",
+        ),
+        Field(
+            "friction_force",
+            "F_f",
+            "N",
+            "structure",
+            "part of the force on the structure that is friction of the water along a surface that rubs",
+            unit_2d="N m-1",
+            vector=True,
+            instant="velocity",
         ),
         Field(
             "moment",
@@ -115,18 +128,26 @@ class Forces(Observer[Force]):
 
     def sample(self, now: Now) -> Sample:
         found = [load.load(now.flow) for load in self.loads]
-        forces, moments, drags = zip(*((force, moment, drag) for (force, moment), drag in found), strict=True)
+        rubbed = [load.friction(now.flow) for load in self.loads]
         rho = self.density
         return {
-            "force": rho * np.array(forces), "drag_force": rho * np.array(drags), "moment": rho * np.array(moments),
-        }  # fmt: skip
+            "force": rho * (np.array([force for (force, _), _ in found]) + np.array([force for force, _ in rubbed])),
+            "drag_force": rho * np.array([drag for _, drag in found]),
+            "friction_force": rho * np.array([force for force, _ in rubbed]),
+            "moment": rho * (np.array([one for (_, one), _ in found]) + np.array([one for _, one in rubbed])),
+        }
 
 
 class SurfaceLoad:
-    """Force and moment of the water's pressure on patches, per density: sum of the integrals of p n and r x p n."""
+    """Force and moment of the water's pressure on patches, per density: sum of the integrals of p n and r x p n.
 
-    def __init__(self, flow: Flow, patches: Patches, about: FloatArray) -> None:
+    Where the surface rubs, the friction of the water comes to it. wall: number of the surface in `RoughWalls.wall`.
+    """
+
+    def __init__(self, flow: Flow, patches: Patches, about: FloatArray, wall: int) -> None:
         grid, g = flow.grid, still_gravity(flow)
+        self.planes = np.empty(0, np.intp) if flow.walls is None else np.flatnonzero(flow.walls.wall == wall)
+        self.planes_arm = np.empty((0, grid.dimension)) if flow.walls is None else flow.walls.foot[self.planes] - about
         self.cell, self.area = patches.cell, patches.area
         self.below, self.above = cell_below(self.cell, grid), cell_below(self.cell, grid, -1)
         centres = grid.points().reshape(-1, grid.dimension)
@@ -134,8 +155,13 @@ class SurfaceLoad:
         self.rest_a, self.rest_b = ((e - centres[self.cell]) @ g for e in (patches.a, patches.b))
         self.rest_below = (centres[self.cell] - centres[self.below]) @ g
 
+    def friction(self, flow: Flow) -> Load:
+        """Force and moment of the friction in the last step."""
+        force = flow.impulse[self.planes] / flow.kick
+        return force.sum(axis=0), moment(self.planes_arm, force)
+
     def load(self, flow: Flow) -> tuple[Load, FloatArray]:
-        """Force and moment, and the part of the force that is drag: none on a surface."""
+        """Force and moment of the pressure, and the part of the force that is drag: none on a surface."""
         p = flow.pressure.ravel()
         here, below = p[self.cell], p[self.below]
         wet = here != 0.0
@@ -172,6 +198,11 @@ class BodyLoad:
         self.spacing = grid.spacing
         self.volume = share[self.cells] * grid.cell_volume
         self.arm = (grid.points()[self.cells] - about).reshape(-1, grid.dimension)
+
+    def friction(self, flow: Flow) -> Load:
+        """No force and no moment: the water rubs along no surface inside, and the drag of the grains is in `load`."""
+        d = flow.grid.dimension
+        return np.zeros(d), np.zeros(3 if d == 3 else ())
 
     def load(self, flow: Flow) -> tuple[Load, FloatArray]:
         """Force and moment, and the part of the force that is drag."""

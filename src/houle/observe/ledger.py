@@ -21,6 +21,7 @@ NOTES = ("divergence", "pressure_iterations", "correction_iterations")  # notes 
 _WORKS = {
     "drag_work": ("W_d", "energy of the water lost to the drag of porous bodies since the start"),
     "viscous_work": (r"W_\nu", "energy of the water lost to viscosity since the start"),
+    "friction_work": ("W_f", "energy of the water lost to the friction of beds, walls and solids since the start"),
     "sponge_work": ("W_s", "energy of the water taken by sponges and relaxation zones since the start"),
     "source_work": (
         "W_w",

@@ -115,7 +115,7 @@ def _energies(series: Data) -> Curves:
         return {}
     kinetic, potential = (series[f"{kind}_energy"].values for kind in ("kinetic", "potential"))
     kinetic, potential = kinetic - kinetic[0], potential - potential[0]
-    lost = {"lost to drag": "drag_work", "lost to viscosity": "viscous_work"}
+    lost = {"lost to drag": "drag_work", "lost to viscosity": "viscous_work", "lost to friction": "friction_work"}
     curves = {"kinetic": kinetic, "potential": potential, "sum": kinetic + potential}
     curves |= {words: -values for words, values in _named(series, lost).items()}
     if "source_work" in series and series["source_work"].values.any():

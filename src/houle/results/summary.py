@@ -67,7 +67,8 @@ def _wave_energy(entry: dict[str, Any]) -> Rows:
     words = {
         "source_work": "work of the maker", "open_work": "work at open sides",
         "energy_exchange": "carried through open sides", "sponge_work": "taken by sponges and zone",
-        "drag_work": "taken by the porous drag", "viscous_work": "taken by viscosity", "stored": "stored",
+        "drag_work": "taken by the porous drag", "viscous_work": "taken by viscosity",
+        "friction_work": "taken by the friction of beds and walls", "stored": "stored",
     }  # fmt: skip
     least = 1e-9 * max(abs(entry[n]) for n in words if n in entry)
     lines = [(word, f"{entry[n]:+.4g} {unit}") for n, word in words.items() if abs(entry.get(n, 0.0)) > least]

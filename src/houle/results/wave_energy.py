@@ -24,7 +24,7 @@ PERIODS = 5  # periods at the end of the run over which means are taken
 FEWEST = 2  # periods with which there is a budget
 SETTLE = 2.0  # periods after the ramp before the budget begins
 GIVEN = ("source_work", "open_work", "energy_exchange")
-TAKEN = ("sponge_work", "drag_work", "viscous_work")
+TAKEN = ("sponge_work", "drag_work", "viscous_work", "friction_work")
 
 
 def record(run: Run) -> dict[str, Any]:

@@ -12,7 +12,8 @@ from houle.case.tables.base import Name, Point, Point2, Table, is_a_box
 from houle.grid import Grid
 from houle.medium.resistance import LAWS
 
-Side = Literal["slip", "no-slip"]
+SIDES = ("left", "right", "front", "back", "bottom", "top")
+SIDES_2D = ("left", "right", "bottom", "top")
 MOST_CELLS = 1e15  # most cells in a domain: more cannot be counted; the checks say whether memory holds them
 
 
@@ -23,6 +24,17 @@ class Head(Table):
         description="short name of the case and of its result folder: letters, digits, hyphens, underscores, points"
     )
     title: str = Field(default="", max_length=500, description="one line for pictures and reports")
+
+
+class Rough(Table):
+    """A side of the tank along which the water rubs: walls.bottom = {roughness = 0.001}."""
+
+    roughness: float = Field(
+        ge=0, le=1, description="Nikuradse's equivalent sand roughness k_s, 0 = smooth [m]", examples=[0.001]
+    )
+
+
+Side = Literal["slip", "no-slip"] | Rough
 
 
 class Walls(Table):
@@ -40,12 +52,14 @@ class Walls(Table):
     @model_validator(mode="before")
     @classmethod
     def one_word(cls, value: Any) -> Any:
+        if isinstance(value, dict) and list(value) == ["roughness"]:
+            return dict.fromkeys(SIDES, value)
         if not isinstance(value, str):
             return value
         if value not in ("slip", "no-slip"):
             later = ": an open side is a table [[open]], with its side" if value == "open" else ""
             raise ValueError(f'= "{value}" is not one of "slip", "no-slip", or a table of sides{later}')
-        return dict.fromkeys(("left", "right", "front", "back", "bottom", "top"), value)
+        return dict.fromkeys(SIDES, value)
 
     @model_validator(mode="after")
     def joined_sides_have_no_wall(self) -> Walls:
@@ -62,6 +76,21 @@ class Walls(Table):
         pairs = [("left", "right"), ("front", "back"), ("bottom", "top")]
         chosen = pairs if dimension == 3 else [pairs[0], pairs[2]]
         return tuple((getattr(self, a) == "no-slip", getattr(self, b) == "no-slip") for a, b in chosen)
+
+    def rough(self, dimension: int, smooth: bool) -> dict[str, float]:
+        """The sides that rub and their roughness [m], in 2D those of the section; smooth: "no-slip" is roughness 0."""
+        found = {}
+        for side in SIDES if dimension == 3 else SIDES_2D:
+            given = getattr(self, side)
+            if isinstance(given, Rough):
+                found[side] = given.roughness
+            elif smooth and given == "no-slip" and not self._joined(side):
+                found[side] = 0.0
+        return found
+
+    def _joined(self, side: str) -> bool:
+        """True for a side that is joined with the opposite one."""
+        return bool((self.x and side in ("left", "right")) or (self.y and side in ("front", "back")))
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: Any) -> dict[str, Any]:
@@ -173,6 +202,14 @@ class Solid(Shape):
     prefix: ClassVar[str] = "solid-"
 
     name: Name = Field(default="", description="name in messages and pictures; solid-1, ... when left out")
+    roughness: float | None = Field(
+        default=None,
+        ge=0,
+        le=1,
+        description="Nikuradse's equivalent sand roughness k_s of its surface, 0 = smooth; the water slips along it "
+        "when left out [m]",
+        examples=[0.001],
+    )
 
 
 class Resistance(Table):

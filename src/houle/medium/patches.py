@@ -8,17 +8,16 @@ the ends of the patch (no other part of the pressure changes towards a fixed wal
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from houle.flow.state import Flow
 from houle.grid import FloatArray, Grid
 from houle.medium.integrals import cut, cut_all, edges, section_moments, span_moments
-from houle.medium.sections import partition, repeated, section
+from houle.medium.sections import PorousBody, partition, repeated, section
 from houle.medium.shapes import Shape, Span
 
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (-1, 0), "top": (-1, 1)}
@@ -62,55 +61,62 @@ class Patches:
         return cls(cell[kept], a[kept], b[kept], area[kept])
 
 
-def patches_of_solid(flow: Flow, shape: Shape) -> Patches:
-    """The surface of a solid, where no other solid touches it."""
-    grid, medium = flow.grid, flow.medium
-    layers = [
-        (span, solid, section(grid, [shape], span)) for span, solid, _ in partition(grid, medium.bodies, medium.solids)
-    ]
-    found = []
-    for span, solid, own in layers:
-        if not own.is_empty:
-            piece = _pieces(grid, repeated(grid, solid))
-            middle = piece.mean(axis=1) * (grid.spacing[0], grid.spacing[-1])
-            here = shapely.dwithin(
-                shapely.points(middle), shapely.boundary(repeated(grid, own)), NEAR * min(grid.spacing)
-            )
-            here &= (middle[:, 0] >= 0.0) & (middle[:, 0] < grid.size[0] if grid.periodic[0] else True)
-            found += list(_upright(grid, piece[here], span))
-    ring = [*layers, layers[0]] if grid.dimension == 3 and grid.periodic[1] else layers
-    for (before, solid_before, own_before), (_, solid_after, own_after) in itertools.pairwise(ring):
-        found.append(_across(grid, own_before.difference(solid_after), before[1], +1.0))
-        found.append(_across(grid, own_after.difference(solid_before), before[1], -1.0))
-    return Patches.gather(grid, medium.open_cells, found)
+@dataclass(frozen=True)
+class Surfaces:
+    """The surfaces of a tank with these bodies and solids. open_cells: open share of the cells (`Medium`) [-]."""
 
+    grid: Grid
+    open_cells: FloatArray
+    bodies: Sequence[PorousBody]
+    solids: Sequence[Shape]
 
-def patches_of_side(flow: Flow, side: str) -> Patches:
-    """A side of the tank, where no solid covers it."""
-    grid, medium = flow.grid, flow.medium
-    axis, end = SIDES[side]
-    x, z = grid.size[0], grid.size[-1]
-    found = []
-    for span, solid, _ in partition(grid, medium.bodies, medium.solids):
-        if side in ("front", "back"):
-            if (span[0] <= 0.0) if end == 0 else (span[1] >= grid.size[1]):
-                free = shapely.box(0, 0, x, z).difference(solid)
-                found.append(_across(grid, free, grid.size[1] * end, -1.0 if end else +1.0))
-            continue
-        inset = NEAR * grid.spacing[axis]
-        lines = {
-            "left": [[inset, 0], [inset, z]], "right": [[x - inset, z], [x - inset, 0]],
-            "bottom": [[x, inset], [0, inset]], "top": [[0, z - inset], [x, z - inset]],
-        }  # fmt: skip  # the wall on their left
-        way = np.diff(lines[side], axis=0)[0]
-        free = shapely.difference(shapely.linestrings(lines[side]), solid)
-        for line in shapely.get_parts(free):
-            ends = shapely.get_coordinates(line)[[0, -1]]
-            ends[:, 0 if axis == 0 else 1] = end * (x if axis == 0 else z)
-            ends = ends if np.dot(ends[1] - ends[0], way) > 0 else ends[::-1]
-            piece = cut(ends / (grid.spacing[0], grid.spacing[-1]))
-            found += list(_upright(grid, piece, span))
-    return Patches.gather(grid, medium.open_cells, found)
+    def of_solid(self, shape: Shape) -> Patches:
+        """The surface of a solid, where no other solid touches it."""
+        grid = self.grid
+        parts = partition(grid, self.bodies, self.solids)
+        layers = [(span, solid, section(grid, [shape], span)) for span, solid, _ in parts]
+        found = []
+        for span, solid, own in layers:
+            if not own.is_empty:
+                piece = _pieces(grid, repeated(grid, solid))
+                middle = piece.mean(axis=1) * (grid.spacing[0], grid.spacing[-1])
+                here = shapely.dwithin(
+                    shapely.points(middle), shapely.boundary(repeated(grid, own)), NEAR * min(grid.spacing)
+                )
+                here &= (middle[:, 0] >= 0.0) & (middle[:, 0] < grid.size[0] if grid.periodic[0] else True)
+                found += list(_upright(grid, piece[here], span))
+        ring = [*layers, layers[0]] if grid.dimension == 3 and grid.periodic[1] else layers
+        for (before, solid_before, own_before), (_, solid_after, own_after) in itertools.pairwise(ring):
+            found.append(_across(grid, own_before.difference(solid_after), before[1], +1.0))
+            found.append(_across(grid, own_after.difference(solid_before), before[1], -1.0))
+        return Patches.gather(grid, self.open_cells, found)
+
+    def of_side(self, side: str) -> Patches:
+        """A side of the tank, where no solid covers it."""
+        grid = self.grid
+        axis, end = SIDES[side]
+        x, z = grid.size[0], grid.size[-1]
+        found = []
+        for span, solid, _ in partition(grid, self.bodies, self.solids):
+            if side in ("front", "back"):
+                if (span[0] <= 0.0) if end == 0 else (span[1] >= grid.size[1]):
+                    free = shapely.box(0, 0, x, z).difference(solid)
+                    found.append(_across(grid, free, grid.size[1] * end, -1.0 if end else +1.0))
+                continue
+            inset = NEAR * grid.spacing[axis]
+            lines = {
+                "left": [[inset, 0], [inset, z]], "right": [[x - inset, z], [x - inset, 0]],
+                "bottom": [[x, inset], [0, inset]], "top": [[0, z - inset], [x, z - inset]],
+            }  # fmt: skip  # the wall on their left
+            way = np.diff(lines[side], axis=0)[0]
+            free = shapely.difference(shapely.linestrings(lines[side]), solid)
+            for line in shapely.get_parts(free) if not shapely.is_empty(free) else ():
+                ends = shapely.get_coordinates(line)[[0, -1]]
+                ends[:, 0 if axis == 0 else 1] = end * (x if axis == 0 else z)
+                ends = ends if np.dot(ends[1] - ends[0], way) > 0 else ends[::-1]
+                piece = cut(ends / (grid.spacing[0], grid.spacing[-1]))
+                found += list(_upright(grid, piece, span))
+        return Patches.gather(grid, self.open_cells, found)
 
 
 def _pieces(grid: Grid, area: shapely.Geometry) -> FloatArray:
