@@ -21,8 +21,8 @@ HEADERS = {path.relative_to(CORE.parent).as_posix(): path for path in CORE.glob(
 # imports from its own room and from those below it, wherever in the file the import stands and whatever it is for: what
 # only the types need counts as well.
 ORDER = (
-    "_core", "errors", "registry", "grid", "fields", "data", "waves", "medium", "flow", "boundary", "observe", "case",
-    "output", "design", "analysis", "results", "check", "running", "validation", "reproduction", "bench", "cli",
+    "_core", "errors", "registry", "grid", "fields", "data", "waves", "medium", "flow", "boundary", "observe", "design",
+    "case", "output", "analysis", "results", "check", "running", "validation", "reproduction", "bench", "cli",
 )  # fmt: skip
 RANK = {room: rank for rank, room in enumerate(ORDER)}
 ENTRIES = {"__init__", "__main__"}  # the names of the package, looked up when first used; and the command

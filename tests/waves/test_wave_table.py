@@ -34,7 +34,7 @@ def test_a_regular_wave_has_its_crest_at_the_origin():
 
 def test_every_theory_and_kind_of_the_table_is_there():
     theories = ["airy", "stokes-2", "stokes-3", "stokes-4", "stokes-5", "fenton", "cnoidal", "solitary-3", "solitary-5"]
-    kinds = ["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series", "paddle"]
+    kinds = ["regular", "solitary", "jonswap", "pierson-moskowitz", "tma", "focused", "series", "paddle", "ship"]
     assert list(choices("theory")) == ["auto", *theories]
     assert list(choices("waves")) == kinds
     assert all(name in complaints(theory="airey") for name in theories)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from houle.analysis.coefficients import reflection
     from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
     from houle.analysis.errors import AnalysisError
+    from houle.analysis.events import Events, interval, load_events, mean_interval, per_wave
     from houle.analysis.impact import Impact, largest_pressure
     from houle.analysis.levels import Gauges
     from houle.analysis.overtopping import Overtopping, overtopping_events
@@ -34,18 +35,23 @@ if TYPE_CHECKING:
         separate_xt,
         zelt_skjelbreia,
     )
+    from houle.analysis.slope import Layer, along_layer, excess_pore_pressure
     from houle.analysis.theory import Scatter, long_wave, porous_block, porous_block_lorentz
+    from houle.analysis.volumes import Volumes, wave_volumes
     from houle.analysis.waves import Spectrum, Waves, find_omega, harmonics, spectrum, zero_crossing
+    from houle.analysis.weibull import Weibull, weibull_fit
     from houle.analysis.window import Window, choose_window
     from houle.waves.dispersion import celerity, group_velocity, wave_number
 
 __all__ = [
     "AnalysisError",
     "Components",
+    "Events",
     "Exit",
     "Gauges",
     "Impact",
     "Jh2020",
+    "Layer",
     "Overtopping",
     "QualityCard",
     "Reflection",
@@ -53,12 +59,16 @@ __all__ = [
     "Scatter",
     "Shields",
     "Spectrum",
+    "Volumes",
     "Waves",
+    "Weibull",
     "Window",
+    "along_layer",
     "as_gauges",
     "celerity",
     "choose_window",
     "critical_gradient",
+    "excess_pore_pressure",
     "exit_gradient",
     "find_omega",
     "fit_wave_number",
@@ -66,12 +76,16 @@ __all__ = [
     "goda_suzuki",
     "group_velocity",
     "harmonics",
+    "interval",
     "jh2020",
     "lag",
     "largest_pressure",
+    "load_events",
     "long_wave",
     "mansard_funke",
+    "mean_interval",
     "overtopping_events",
+    "per_wave",
     "porous_block",
     "porous_block_lorentz",
     "quality_card",
@@ -82,6 +96,8 @@ __all__ = [
     "shields",
     "spectrum",
     "wave_number",
+    "wave_volumes",
+    "weibull_fit",
     "zelt_skjelbreia",
     "zero_crossing",
 ]
@@ -97,6 +113,7 @@ _MODULES = {
         "shields",
     ),
     "errors": ("AnalysisError",),
+    "events": ("Events", "interval", "load_events", "mean_interval", "per_wave"),
     "impact": (
         "Impact",
         "largest_pressure",
@@ -132,12 +149,18 @@ _MODULES = {
         "separate_xt",
         "zelt_skjelbreia",
     ),
+    "slope": (
+        "Layer",
+        "along_layer",
+        "excess_pore_pressure",
+    ),
     "theory": (
         "Scatter",
         "long_wave",
         "porous_block",
         "porous_block_lorentz",
     ),
+    "volumes": ("Volumes", "wave_volumes"),
     "waves": (
         "Spectrum",
         "Waves",
@@ -146,6 +169,7 @@ _MODULES = {
         "spectrum",
         "zero_crossing",
     ),
+    "weibull": ("Weibull", "weibull_fit"),
     "window": (
         "Window",
         "choose_window",

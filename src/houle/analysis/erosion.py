@@ -5,9 +5,11 @@ i_c = (s - 1) (1 - n) (Terzaghi), s = density of the grains over that of water.
 
 Shields number theta = u*^2 / ((s - 1) g d). The friction velocity u* comes from a velocity U at a height z above the
 face by the logarithmic law of a rough wall, U = (u* / 0.40) ln(z / z0), z0 = d / 12 (grain roughness 2.5 d, over 30):
-Soulsby, Dynamics of Marine Sands (1997), eqs (24)-(25). Grains on a level bed move above theta_c = 0.30 / (1 + 1.2 D*)
-+ 0.055 (1 - exp(-0.020 D*)), D* = d ((s - 1) g / nu^2)^(1/3): Soulsby & Whitehouse (1997), eq. (77) there. Down a slope
-of angle beta, theta_c is multiplied with sin(phi - beta) / sin(phi), phi the angle of repose.
+Soulsby, Dynamics of Marine Sands (1997), eqs (24)-(25); that of a current with the mean U over the depth h from
+U = (u* / 0.40) (ln(h / z0) - 1). Friction velocities normal to each other add as their squares. Grains on a level bed
+move above theta_c = 0.30 / (1 + 1.2 D*) + 0.055 (1 - exp(-0.020 D*)), D* = d ((s - 1) g / nu^2)^(1/3): Soulsby &
+Whitehouse (1997), eq. (77) there. Down a slope of angle beta, theta_c is multiplied with sin(phi - beta) / sin(phi),
+phi the angle of repose.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from houle.waves.dispersion import GRAVITY
 
 Real = NDArray[np.float64]
 KARMAN = 0.40
+SHALLOWEST = 10.0  # grains in the depth of a current that rubs over them
 ALIKE = 0.01  # peaks of a correlation that differ by less are as high as each other
 
 
@@ -120,8 +123,13 @@ def shields(
     relative_density: float = 2.65,
     viscosity: float = 1.0e-6,
     gravity: float = GRAVITY,
+    across: ArrayLike = 0.0,
+    depth: ArrayLike = np.inf,
 ) -> Shields:
     """Shields number from the velocity along the face (T,) [m/s] at `height` [m] above it; formulas at the head.
+
+    across  velocity, mean over the depth, of a current normal to that one (T,) [m/s], such as the return current of a
+            ship; depth of the water (T,) [m], in which less than ten grains count as none
 
     slope, repose [rad]; the law holds for turbulent flow over rough grains, u* d / nu > 30 or so, and height > 2 d.
     Raises AnalysisError.
@@ -134,10 +142,19 @@ def shields(
     if not 0 <= slope < repose:
         raise AnalysisError(f"slope = {slope:g} rad must be at least 0 and under the angle of repose {repose:g} rad")
     friction = KARMAN * np.abs(np.asarray(velocity, dtype=float)) / np.log(12.0 * height / d)
+    friction = np.hypot(friction, _friction_of_current(across, depth, d))
     star = d * ((s - 1.0) * gravity / viscosity**2) ** (1.0 / 3.0)
     level = 0.30 / (1.0 + 1.2 * star) + 0.055 * (1.0 - np.exp(-0.020 * star))
     critical = float(level * np.sin(repose - slope) / np.sin(repose))
     return Shields(friction**2 / ((s - 1.0) * gravity * d), critical, friction)
+
+
+def _friction_of_current(mean: ArrayLike, depth: ArrayLike, grain_diameter: float) -> Real:
+    """Friction velocity [m/s] of a current with this mean over the depth: U = (u* / 0.40) (ln(depth / z0) - 1)."""
+    h = np.asarray(depth, dtype=float)
+    enough = (h >= SHALLOWEST * grain_diameter) & np.isfinite(h)
+    log = np.log(12.0 * np.where(enough, h, 1e3 * grain_diameter) / grain_diameter) - 1.0
+    return np.asarray(np.where(enough, KARMAN * np.abs(np.asarray(mean, dtype=float)) / log, 0.0))
 
 
 def lag(time: ArrayLike, outside: ArrayLike, inside: ArrayLike, period: float | None = None) -> float:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import pkgutil
 from collections.abc import Iterator
+from dataclasses import fields
 from functools import partial
 from importlib import import_module
 from typing import Any
@@ -104,7 +105,7 @@ def _boundaries(case: Case, wave: Wave | None) -> tuple[Make, ...]:
         wave=wave,
         ramp=waves.ramp_time() if waves is not None else 0.0,
         zone=waves.zone.x if waves is not None and waves.zone is not None else None,
-        lets_long=waves is not None and waves.kind in ("series", "solitary"),
+        lets_long=waves is not None and waves.kind in ("series", "solitary", "ship"),
         open_left=any(side.side == "left" for side in case.open),
     )
     found = [(BOUNDARIES[key], table.keys(case.folder)) for key, table in case.standing]
@@ -159,10 +160,17 @@ def instruments(case: Case) -> tuple[Instruments, ...]:
 
 
 def asked_for(case: Case, key: str, site: Site) -> Instruments:
-    """The instruments that the tables [[key]] ask for; an instrument has the keys of its table."""
+    """The instruments that the tables [[key]] ask for, each with those keys of its table that it knows.
+
+    Other keys are for what is made of the results.
+    """
     observer = asked_by_tables()[key]
-    rows = ({name: getattr(row, name) for name in type(row).model_fields} for row in getattr(case, key))
-    return Instruments(observer, tuple(observer.instrument(**row) for row in rows), site)
+    kind: Any = observer.instrument
+    known = {field.name for field in fields(kind)}
+    rows = (
+        {name: getattr(row, name) for name in type(row).model_fields if name in known} for row in getattr(case, key)
+    )
+    return Instruments(observer, tuple(kind(**row) for row in rows), site)
 
 
 def _always(case: Case, site: Site) -> Iterator[Instruments]:

@@ -86,7 +86,7 @@ class Case(Tables):
     @property
     def wave(self) -> Wave | None:
         """The wave of [waves]; None without [waves]. Raises WaveError, a CaseError, if no theory gives it."""
-        return None if self.waves is None else make(self.waves, self.fluid.gravity, self.folder)
+        return None if self.waves is None else make(self.waves, self.fluid.gravity, self.folder, self.ship)
 
     @property
     def drag_period(self) -> float:

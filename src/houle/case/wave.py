@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import cos, radians
 from pathlib import Path
 
+from houle.case.ship import passage_of
+from houle.case.tables.ship import Ship
 from houle.case.tables.waves import Waves
 from houle.data.csv_table import columns_in
 from houle.data.files import require_file
@@ -13,6 +15,8 @@ from houle.waves import record, spectra, theories
 from houle.waves.current import carried, moved
 from houle.waves.dispersion import GRAVITY
 from houle.waves.paddle import PaddleWave, RecordedMotion, elevation, require_moves
+from houle.waves.ship import ShipWave
+from houle.waves.ship import record as incident_record
 from houle.waves.wave import THEORIES, Wave, WaveError
 
 ARRIVES = 1.5  # half lengths before the maker at which the crest of a solitary wave without focus is at t = 0
@@ -20,8 +24,8 @@ LEAST = 4  # fewest samples in a record
 MOTIONS = {"displacement": "displacement_m", "velocity": "velocity_m_s"}  # columns of waves.file of a paddle
 
 
-def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
-    """The wave of the table. Raises WaveError where no theory gives it. folder: that of its file.
+def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path(), ship: Ship | None = None) -> Wave:
+    """The wave of the table. Raises WaveError where no theory gives it. folder: that of its file; ship: [ship].
 
     A regular wave has a crest at x = 0 at t = 0. A series is the elevation at the maker (`Waves.place`), and its time
     `start` is t = 0. The crest of a solitary wave comes to its focus, or else starts well before the maker. The waves
@@ -41,6 +45,12 @@ def make(table: Waves, gravity: float = GRAVITY, folder: Path = Path()) -> Wave:
         require_moves(motion, table.depth, gravity)
         time, eta = elevation(motion, table.depth, gravity)
         return PaddleWave.sent_by(motion, record.series(time, eta, table.depth, gravity, place=table.place))
+    if table.kind == "ship":
+        if ship is None:
+            raise WaveError('waves.kind = "ship" needs the table [ship]')
+        passage = passage_of(ship, table.depth, gravity, table.place)
+        time, eta = incident_record(passage, ship.toe - table.place, table.depth, gravity)
+        return ShipWave.of_passage(passage, record.series(time, eta, table.depth, gravity, place=ship.toe))
     height, period = float(table.height or 0), float(table.period or 0)
     if table.kind == "regular":
         return carried(

@@ -10,6 +10,7 @@ A rule stands in one of three places, by what it has to look at:
     rules        CHECKS, all checks in order; those of shapes, grid, clock and instruments
     waves        theory, wave makers and sponges
     boundaries   gates, open sides, pistons and absorbing walls
+    answers      how many cells of water an overtopping wave is
     machine      whether this machine has the memory, and every cell a number
     cost         particles, steps, minutes, memory and disk
     drag         the drag of every porous body, in all conventions

@@ -24,6 +24,7 @@ from houle.check.cost import price
 from houle.check.drag import REFERENCE_VELOCITY, DragSheet, drag_sheets
 from houle.check.rules import require
 from houle.check.scale import sheet
+from houle.check.ship import ship_rows
 from houle.check.wave_theory import assess
 from houle.data.history import Record
 from houle.errors import CaseError
@@ -59,6 +60,7 @@ def show(
     console.print(_grid(case), soft_wrap=True)
     tables = (
         ("waves", wave_rows(case)),
+        ("ship", ship_rows(case)),
         ("absorbers", absorber_rows(case)),
         ("sponges", sponge_rows(case)),
         ("open sides", open_rows(case)),

@@ -21,9 +21,11 @@ from houle.case.messages import guess, place, several
 from houle.case.model import Case
 from houle.case.reading import is_file
 from houle.case.section import CrossSection
+from houle.check.answers import overtopping_resolved
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.finding import Finding
 from houle.check.machine import memory_suffices
+from houle.check.ship import ship_fits
 from houle.check.waves import sponges_fit, waves_fit
 from houle.errors import CaseError, metres
 from houle.flow.schemes import SCHEMES
@@ -303,8 +305,10 @@ CHECKS = (
     remeshing,
     fits_the_machine,
     waves_fit,
+    ship_fits,
     sponges_fit,
     open_sides_fit,
     moving_walls_fit,
+    overtopping_resolved,
     reference_is_there,
 )

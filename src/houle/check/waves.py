@@ -39,7 +39,7 @@ SAME = 1e-3  # depths that differ by no more are the same: [m], or as a share of
 TOLD = 0.35  # share of the rms of a record that a source may leave out without a warning (`left_out`)
 OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
-RECORDED = ("series", "paddle")  # waves with no one length
+RECORDED = ("series", "paddle", "ship")  # waves with no one length
 COARSE = 0.02  # share of the stroke by which lines between samples of a paddle may miss the curve: 11 a period
 MOVES = 0.05  # share of its largest speed up to which a paddle counts as at rest
 SHARP = 0.5  # g: more than a laboratory's paddle is accelerated by
@@ -79,7 +79,7 @@ def waves_fit(s: CrossSection) -> Iterator[Finding]:
 
 def _told(level: Literal["error", "warning"], message: str) -> Finding:
     """A message as a finding; if it begins with a key, such as waves.height, this is the key of the finding."""
-    named = re.match(r"(waves[.\w]*)(.+)", message, re.DOTALL)
+    named = re.match(r"((?:waves|ship)[.\w]*)(.+)", message, re.DOTALL)
     return Finding(level, named[1], named[2].removeprefix(" ")) if named else Finding(level, "waves", f": {message}")
 
 

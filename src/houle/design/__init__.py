@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from houle.design.roughness import ROUGHNESS
     from houle.design.runup import RunUpLevel, SolitaryRunUp, run_up_slope, run_up_solitary
     from houle.design.seepage import Seepage, seepage_dam
+    from houle.design.share import OvertoppingShare, overtopping_share
     from houle.design.ships import (
         BankDrawdown,
         Drawdown,
@@ -61,6 +62,7 @@ __all__ = [
     "NearestTests",
     "Neighbour",
     "Overtopping",
+    "OvertoppingShare",
     "PorePressure",
     "ReflectionOfSlope",
     "RunUpLevel",
@@ -77,6 +79,7 @@ __all__ = [
     "drag_range",
     "nearest_tests",
     "overtopping_mound",
+    "overtopping_share",
     "overtopping_slope",
     "overtopping_wall",
     "overtopping_wall_foreshore",
@@ -112,6 +115,7 @@ _MODULES = {
     "reflection": ("ReflectionOfSlope", "reflection_slope"),
     "roughness": ("ROUGHNESS",),
     "runup": ("RunUpLevel", "SolitaryRunUp", "run_up_slope", "run_up_solitary"),
+    "share": ("OvertoppingShare", "overtopping_share"),
     "seepage": ("Seepage", "seepage_dam"),
     "ships": (
         "BankDrawdown",

@@ -28,8 +28,8 @@ CURES = {
     "Pa": "pressures are in pascals",
 }
 SUBJECTS = (
-    "overtopping", "nearest", "runup", "reflection", "transmission", "walls", "armour", "mound", "drag", "seepage",
-    "ships",
+    "overtopping", "share", "nearest", "runup", "reflection", "transmission", "walls", "armour", "mound", "drag",
+    "seepage", "ships",
 )  # fmt: skip  # modules of formulas, in the order in which they are shown
 RECALLED = "RECALLED from one source or from memory: verify before it is printed as a fact"
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from houle.waves.wave import Wave
 
 PICTURE = "reflection.png"
+CONFIDENCE = 0.90  # share that the intervals hold, as all answers of a run
 NEAR = 1e-6  # two places nearer to each other than this are the same [m]
 
 
@@ -71,8 +72,8 @@ class ReflectionFlume:
         return cls(maker, structure[0], back, wall, behind, waves.zone is not None or before)
 
 
-def measure(run: Run) -> Reflection:
-    """C_R, C_T, C_D of the run with their intervals and window. Raises AnalysisError."""
+def measure(run: Run, confidence: float = 0.95) -> Reflection:
+    """C_R, C_T, C_D of the run with their intervals of this confidence and window. Raises AnalysisError."""
     case = run.case
     asked, waves = case.reflection, case.waves
     assert asked is not None and waves is not None
@@ -92,6 +93,7 @@ def measure(run: Run) -> Reflection:
         wave_number=wave.k if regular and asked.method != "jh2020" else None,
         bed=float(levels[0]) - waves.depth,
         gravity=case.fluid.gravity,
+        confidence=confidence,
         **place,
     )
 
@@ -208,16 +210,11 @@ def record(run: Run) -> dict[str, Any]:
     if run.case.reflection is None:
         return {}
     try:
-        found = measure(run)
+        found = measure(run, CONFIDENCE)
     except AnalysisError as error:
-        return {"reflection": {"problem": str(error)}}
+        return _problem(error)
     draw(found, run.directory / PICTURE)
-    names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
-    more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
-    entry = {name: getattr(found, name) for name in (*names, *more)}
-    window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
-    entry["window"] = {**window, "reason": found.window.reason}
-    entry |= asked_for(run.case)
+    entry = measured(found) | asked_for(run.case)
     if found.kind == "irregular":
         entry["H_made"] = as_made(run.case, found)
     if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
@@ -225,6 +222,29 @@ def record(run: Run) -> dict[str, Any]:
     elif run.case.reflection.theory and found.method != "jh2020":
         entry["no_theory"] = no_theory(run.case)
     return {"reflection": entry}
+
+
+def look(run: Run) -> dict[str, Any]:
+    """The entry "reflection" of a run that goes on: what the gauges say up to now, nothing drawn or compared."""
+    if run.case.reflection is None:
+        return {}
+    try:
+        return {"reflection": measured(measure(run, CONFIDENCE))}
+    except AnalysisError as error:
+        return _problem(error)
+
+
+def _problem(error: AnalysisError) -> dict[str, Any]:
+    return {"reflection": {"problem": str(error)}}
+
+
+def measured(found: Reflection) -> dict[str, Any]:
+    """Numbers and words of an analysis for the entry of run.json."""
+    names = ("method", "kind", "period", "depth", "wave_number", "C_R", "C_T", "C_D")
+    more = ("interval_R", "interval_T", "interval_D", "H_I", "H_R", "H_T", "confidence", "covers", "residual", "notes")
+    entry = {name: getattr(found, name) for name in (*names, *more)}
+    window = {"start": found.window.start, "end": found.window.end, "periods": found.window.periods}
+    return entry | {"window": {**window, "reason": found.window.reason}}
 
 
 def asked_for(case: Case) -> dict[str, float]:

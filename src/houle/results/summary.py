@@ -10,6 +10,8 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from houle.results.answers import table as answers
+from houle.results.answers import until
 from houle.results.seconds import duration
 
 Rows = list[tuple[str, str]]
@@ -185,6 +187,11 @@ def sections(summary: dict[str, Any]) -> list[tuple[str, Rows]]:
         ("Energy [J] (per metre of width in 2D)", energy(summary)),
         waves(summary),
         (f"Surface, rms against {label}", against_laboratory(summary)),
+        (
+            f"Answers (in brackets: intervals of {100 * answers.CONFIDENCE:g} %, of formulas their own band)",
+            answers.lines(summary.get("answers") or {}),
+        ),
+        ("How sure time.until asks the answers to be", until.lines(summary.get("until", []))),
         ("Largest pressure at the sensors", pressures(summary.get("pressure", []))),
         ("Reflection", reflection(found) if (found := summary.get("reflection")) else []),
         (

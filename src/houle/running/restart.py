@@ -48,8 +48,13 @@ def existing(directory: Path) -> tuple[Case, dict[str, Any], set[str]]:
 
 
 def prolonged(case: Case, until: float) -> Case:
-    """The case with a later end [s]."""
-    return load(case, {"time.end": float(until)})
+    """The case with a later end [s], however sure its answers are before."""
+    return load(case, {"time.end": float(until)} | ({} if case.time.until is None else {"time.until": None}))
+
+
+def reached(case: Case, manifest: Mapping[str, Any]) -> float:
+    """Time [s] at which a finished run ended: that of its case, or an earlier one if its answers were sure enough."""
+    return case.time.end if case.time.until is None else float(manifest["summary"]["time"])
 
 
 def prolong(
@@ -57,7 +62,7 @@ def prolong(
 ) -> tuple[Case, dict[str, Any], set[str]]:
     """Writes the later end into run.json and case.toml, and returns what `existing` gives from then on."""
     now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
-    entry = {"from": case.time.end, "to": longer.time.end, "case_hash": case.hash, "started": now}
+    entry = {"from": reached(case, manifest), "to": longer.time.end, "case_hash": case.hash, "started": now}
     changed = {**manifest["case"], "hash": longer.hash, "text": longer.to_toml()}
     entries = [*manifest.get("prolonged", []), entry]
     found = {**manifest, "finished": False, "case": changed, "prolonged": entries}

@@ -86,6 +86,7 @@ def run(
     from houle.flow.simulation import Simulation
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
+    from houle.running.goal import Goal
 
     with clock.stage("set-up"):
         simulation = Simulation(build(case), threads)
@@ -93,7 +94,8 @@ def run(
     with exclusive(directory):
         new_folder(case.case.name, directory)  # raises if another run was made there meanwhile
         remove_leftovers(directory)
-        session = Session(directory, keep_case(case, directory), simulation, threads, clock, says)
+        kept = keep_case(case, directory)
+        session = Session(directory, kept, Goal(kept, _sure), simulation, threads, clock, says)
         session.manifest["case"]["file"] = None if case.path is None else str(case.path)
         return finish(session.begin(), until, progress)
 
@@ -113,13 +115,14 @@ def resume(
     from houle.check import rules
     from houle.output.atomic import remove_leftovers
     from houle.output.lock import exclusive
-    from houle.running.restart import existing, prolong, prolonged, restored
+    from houle.running.goal import Goal
+    from houle.running.restart import existing, prolong, prolonged, reached, restored
     from houle.running.session import Clock, Session
 
     clock, (case, manifest, hashes) = Clock(), existing(directory)
     check_until(until, None)
     finished = bool(manifest.get("finished"))
-    if finished and not (until is not None and until > case.time.end):
+    if finished and not (until is not None and until > reached(case, manifest)):
         time = manifest["summary"]["time"]
         says.say(f"houle: {directory} is finished (t = {time:g} s); there is nothing to do")
         return Run(directory)
@@ -134,10 +137,10 @@ def resume(
             simulation, checkpoint = restored(directory, case, hashes, threads, says)
         check_until(until, checkpoint.meta["time"])
         if finished and until is not None:
-            says.say(f"houle: prolonged from {case.time.end:g} s to {until:g} s")
+            says.say(f"houle: prolonged from {reached(case, manifest):g} s to {until:g} s")
             case, manifest, hashes = prolong(directory, case, longer, manifest, hashes)
         says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
-        session = Session(directory, case, simulation, threads, clock, says)
+        session = Session(directory, case, Goal(case, _sure), simulation, threads, clock, says)
         return finish(session.restore(checkpoint, manifest, hashes), until, progress)
 
 
@@ -171,14 +174,16 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """Makes the pictures, the score, the analyses and run.json of a run that has been marched; returns it."""
     from houle.output import write_manifest
-    from houle.results import impacts, laboratory, reflection, summary, wave_energy, wave_quality
+    from houle.results import bank, impacts, laboratory, reflection, summary, wave_energy, wave_quality
 
     run = Run(session.directory)
     with session.clock.stage("pictures"):
         draw(run, session)
     more = laboratory.record(run)
     if at_end:
-        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
+        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run) | bank.record(run)
+        with session.clock.stage("answers"):
+            more |= _answers(run, session, more)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
     if "reflection" in more:
         with session.clock.stage("wave quality"):
@@ -192,6 +197,29 @@ def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
         time = session.simulation.time
         session.says.say(f"houle: stopped at t = {time:g} s; go on with: houle resume {run.directory}")
     return run
+
+
+def _sure(directory: Path) -> bool:
+    """True if the answers of the run in this folder are as sure as time.until asks, by what its files hold."""
+    from houle.results import reflection
+    from houle.results.answers import record
+
+    run = Run(directory)
+    until = run.case.time.until
+    return record.sure(run, reflection.look(run) if until is not None and until.reflection is not None else {})
+
+
+def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]:
+    """Writes the answers of a run, and returns their entry of run.json. A picture that fails does not fail the run."""
+    from houle.results.answers import record
+
+    rows = record.answers(run, more)
+    found = record.record(run, rows) | record.until(run, rows)
+    try:
+        record.draw(run, rows)
+    except Exception as error:
+        session.says.say(f"warning: no {record.PICTURE} ({type(error).__name__}: {error})")
+    return found
 
 
 def draw(run: Run, session: Session) -> None:

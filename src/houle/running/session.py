@@ -21,6 +21,7 @@ from houle.flow.ledger import WORKS
 from houle.output import Checkpoint, Outputs, about, collect, save_checkpoint, summarise, write_manifest
 from houle.running import signals
 from houle.running.failure import as_failure, write_bundle
+from houle.running.goal import Goal
 from houle.running.progress import Silent
 from houle.running.recorder import Recorder
 
@@ -76,7 +77,14 @@ class Session:
     """A stretch of a run in its folder: begin() or restore(), then march()."""
 
     def __init__(
-        self, directory: Path, case: Case, simulation: Simulation, threads: int | None, clock: Clock, says: Silent
+        self,
+        directory: Path,
+        case: Case,
+        goal: Goal,
+        simulation: Simulation,
+        threads: int | None,
+        clock: Clock,
+        says: Silent,
     ) -> None:
         self.directory, self.case, self.simulation, self.clock, self.says = directory, case, simulation, clock, says
         stations = [kind.stations for kind in instruments(case)]
@@ -85,6 +93,7 @@ class Session:
         self.recorder = Recorder(self.outputs, case.time.end, *intervals, laboratory.instants(case.laboratory))
         self.manifest = {**collect(case.identity, threads), "porous": drag_of(case)}
         self.newest = Path()  # newest checkpoint
+        self.goal, self.met = goal, False
 
     def begin(self) -> Session:
         """Writes the first row, frame and checkpoint: from here on the run can be resumed, whatever happens."""
@@ -119,14 +128,15 @@ class Session:
     def march(self, until: float | None) -> bool:
         """Makes steps until the end of the case, or until the time is at or past `until` [s].
 
-        Returns True at the end of the case. A checkpoint is written either way, from which the run can be resumed.
+        The end is that of the case, or earlier where its answers are as sure as it asks. Returns True there. A
+        checkpoint is written either way, from which the run can be resumed.
         """
         target = min(self.case.time.end, until if until is not None else self.case.time.end)
         self.says.start(self.simulation, target)
         try:
             with signals.noted() as reasons:
                 due = perf_counter() + CHECKPOINT_EVERY
-                while self.simulation.time < target and not reasons:
+                while self.simulation.time < target and not reasons and not self.sure():
                     self.step()
                     if perf_counter() >= due:
                         self.checkpoint()
@@ -134,12 +144,32 @@ class Session:
                 self.checkpoint(last=True)
         finally:
             self.says.stop()
-        if reasons:
+        if reasons and not self.ended:
             raise Interrupted(
                 f"{reasons[0]} at t = {self.simulation.time:.4g} s of {self.case.time.end:g} s; "
                 f"a checkpoint is written. Go on with: houle resume {self.directory}"
             )
-        return self.simulation.time >= self.case.time.end
+        return self.ended
+
+    def sure(self) -> bool:
+        """True if the answers are as sure as time.until asks; it looks at them only at frames some waves apart.
+
+        The files hold the same rows then whether the run came here in one go or was resumed, so it ends at the same
+        step either way.
+        """
+        if not self.goal.due(self.recorder):
+            return False
+        with self.clock.stage("answers"):
+            self.outputs.commit()
+            self.met = self.goal.sure(self.directory)
+        if self.met:
+            self.says.say(f"houle: the answers are as sure as asked at t = {self.simulation.time:g} s")
+        return self.met
+
+    @property
+    def ended(self) -> bool:
+        """True at the end of the case, or where its answers are as sure as it asks."""
+        return self.met or self.simulation.time >= self.case.time.end
 
     def step(self) -> None:
         """Makes one time step, and writes the rows and the frame that it completes."""
@@ -170,7 +200,7 @@ class Session:
 
     def _checkpoint(self, last: bool) -> None:
         recorded = self.recorder.state()
-        if last and self.simulation.time >= self.case.time.end:
+        if last and self.ended:
             self.recorder.finish(self.simulation)
         if last:
             self.outputs.close()

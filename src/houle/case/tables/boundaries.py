@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from houle.case.tables.base import Name, Point, Table, is_a_box
+from houle.case.tables.ship import Ship
 from houle.case.tables.waves import Waves
 from houle.data.csv_table import columns_in
 from houle.data.files import require_file
@@ -176,6 +177,7 @@ class Boundaries(Table):
     open: Annotated[tuple[Open, ...], Field(strict=False, description="open sides")] = ()
     gate: Annotated[tuple[Gate, ...], Field(strict=False, description="lifting gates")] = ()
     waves: Waves | None = None
+    ship: Ship | None = None
     sponge: Annotated[tuple[Sponge, ...], Field(strict=False, description="wave absorbers")] = ()
     absorber: Annotated[tuple[Absorber, ...], Field(strict=False, description="walls that absorb waves")] = ()
 

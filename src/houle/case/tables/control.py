@@ -10,10 +10,43 @@ from houle.case.tables.base import OneOf, Table
 from houle.registry import choices
 
 
+class Until(Table):
+    """time.until: how sure the answers have to be before a run ends. All that is given has to be met."""
+
+    q: float | None = Field(
+        default=None,
+        gt=0,
+        lt=1,
+        description="half of the 90 % interval of the mean discharge over each [[overtopping]], as a share of it [-]",
+        examples=[0.3],
+    )
+    run_up: float | None = Field(
+        default=None,
+        gt=0,
+        lt=1,
+        description="half of the 90 % interval of R_2% of each [[runup]], as a share of it [-]",
+    )
+    reflection: float | None = Field(
+        default=None, gt=0, lt=1, description="half of the 90 % interval of C_R of [reflection] [-]"
+    )
+    waves: int | None = Field(default=None, ge=1, description="least number of waves", examples=[1000])
+
+    @model_validator(mode="after")
+    def asks_for_something(self) -> Until:
+        if not self.model_fields_set:
+            raise ValueError("= {} asks for nothing: give one of q, run_up, reflection, waves, or remove until")
+        return self
+
+
 class Time(Table):
     """[time]: end of the run, and the length of its steps."""
 
-    end: float = Field(gt=0, le=1e6, description="simulated time [s]", examples=[2.0])
+    end: float = Field(gt=0, le=1e6, description="simulated time; the latest one with until [s]", examples=[2.0])
+    until: Until | None = Field(
+        default=None,
+        description="the run ends as soon as its answers are as sure as this says, {q, run_up, reflection, waves}: it "
+        "looks after every 20 waves, see below",
+    )
     courant: float = Field(
         0.5, gt=0, le=1, description="cells that the fastest particle may cross in a step, at most [-]"
     )

@@ -1,4 +1,5 @@
-"""The observables of a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]].
+"""The observables of a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]]
+[[bank]].
 
 `Observed` lists the tables. An observer in `houle.observe` names the table that asks for it, and its instruments have
 the same keys. `disagreements` of a table checks it against the rest of the case file; the instrument itself checks the
@@ -93,6 +94,18 @@ class Force(Row):
     about: Point | None = Field(
         default=None, description="point of the moments; middle of the base or foot of the wall when left out [m]"
     )
+    weight: float | None = Field(
+        default=None,
+        gt=0,
+        description="weight of the structure in air, for its safety against sliding and tilting [N/m], 3D [N]",
+    )
+    friction: float | None = Field(
+        default=None, gt=0, le=2, description="friction between its base and the ground, for the safety [-]"
+    )
+    heel: Point2 | None = Field(
+        default=None,
+        description="point [x, z] about which it would tilt; landward corner of its base when left out [m]",
+    )
 
     @model_validator(mode="after")
     def one_thing(self) -> Force:
@@ -106,6 +119,11 @@ class Force(Row):
         if dimension == 2 and self.side in ("front", "back"):
             yield "side", f'= "{self.side}" exists in 3D only; this domain has two sizes'
         yield from _named(self.body, bodies, "porous", "solid")
+        for key in ("weight", "friction", "heel"):
+            if getattr(self, key) is not None and self.body not in bodies["solid"]:
+                yield key, "belongs to a body = ... that is a [[solid]]: remove it"
+        if self.friction is not None and self.weight is None:
+            yield "weight", f"is missing: friction = {self.friction:g} holds no structure without it [N/m]"
 
 
 class Phreatic(Row):
@@ -135,6 +153,35 @@ class Flux(Row):
     between: Point2 | None = Field(default=None, description="two levels, floor and lid when left out [m]")
 
 
+class Bank(Row):
+    """[[bank]]: heads and velocities along the face of a porous bank, and from them whether it holds."""
+
+    prefix = "bank-"
+
+    name: Name = Field(default="", description="name in the results; bank-1, bank-2, ... when left out")
+    body: str = Field(description="name of a [[porous]]")
+    x: Point2 = Field(description="stretch of its face, from, to [m]")
+    points: int = Field(default=8, ge=2, le=1000, description="number of places along the stretch")
+    depth: float = Field(
+        gt=0, le=100, description="depth below the face, along its normal, of the plane on which it might slide [m]"
+    )
+    above: float | None = Field(
+        default=None,
+        gt=0,
+        le=100,
+        description="height over the face at which the water is observed; one and a half spacings when left out [m]",
+    )
+    friction_angle: float = Field(gt=0, lt=90, description="angle of internal friction of the grains [degrees]")
+    grain_density: float = Field(default=2650.0, gt=0, le=2e4, description="density of the grains [kg/m3]")
+    y: float | None = Field(default=None, description="position, 3D only [m]")
+
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        yield from _in_3d_only(self.y, dimension)
+        yield from _named(self.body, bodies, "porous")
+        if self.x[0] >= self.x[1]:
+            yield "x", f"= [{self.x[0]:g}, {self.x[1]:g}]: the smaller x first"
+
+
 class Observed(Table):
     """The tables of observables of a case, in the order in which they are sampled."""
 
@@ -145,6 +192,7 @@ class Observed(Table):
     force: Annotated[tuple[Force, ...], Field(strict=False, description="forces on structures")] = ()
     phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
     flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
+    bank: Annotated[tuple[Bank, ...], Field(strict=False, description="stability of the faces of banks")] = ()
 
     @classmethod
     def observed(cls) -> dict[str, type[Row]]:

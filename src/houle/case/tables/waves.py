@@ -16,7 +16,7 @@ from houle.waves.wave import GAMMA
 
 CHOSEN = ("theory", "height", "period", "seed", "gamma", "file", "start", "gap", "focus")  # keys of some kinds only
 MAKERS = ("source", "zone", "piston")
-PASSING = ("solitary", "focused", "series", "paddle")  # kinds whose waves pass once: they have no steady window
+PASSING = ("solitary", "focused", "series", "paddle", "ship")  # kinds whose waves pass once: they have no steady window
 
 
 class Focus(Table):
@@ -125,7 +125,7 @@ class Waves(Table):
         default=None,
         ge=0,
         description="time in which the waves grow; two periods when left out, none for solitary, focused, series, "
-        "paddle [s]",
+        "paddle, ship [s]",
     )
     source: Source | None = Field(default=None, description="internal source {x, width, form, side}, see below")
     zone: Zone | None = Field(default=None, description="relaxation zone {x = [from, to]}, see below")
@@ -159,6 +159,12 @@ class Waves(Table):
             )
         if self.kind == "paddle":
             found += self._unfit_for_a_paddle(given)
+        if self.kind == "ship":
+            found += [
+                f"{key} = {getattr(self, key):g}: a ship's waves come straight at the bank, in still water: remove it"
+                for key in ("direction", "current")
+                if getattr(self, key)
+            ]
         if found:
             raise ValueError("\n".join(found))
         return self
@@ -194,6 +200,8 @@ class Waves(Table):
             return ", its peak has gamma = 1" if self.kind == "pierson-moskowitz" else ""
         if key == "period" and self.kind == "solitary":
             return ", a solitary wave has none"
+        if self.kind == "ship":
+            return ", it follows from [ship]"
         return ", they are in the file" if self.kind in ("series", "paddle") and key in ("height", "period") else ""
 
     @property

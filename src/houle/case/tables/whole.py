@@ -73,12 +73,18 @@ def disagreements(case: Tables) -> list[str]:
         )
     if case.waves is not None and case.waves.direction and d == 2:
         found.append(f"waves.direction = {case.waves.direction:g} degrees in 2D, where waves go along x: remove it")
+    if (case.ship is not None) != (case.waves is not None and case.waves.kind == "ship"):
+        found.append(
+            'waves.kind = "ship" needs the table [ship]: length, beam, draught, speed, distance, ...'
+            if case.ship is None
+            else 'ship: [waves] with kind = "ship", depth and zone = {x = [0, to]} makes its waves; or remove [ship]'
+        )
     for i, water in enumerate(case.water):
         if water.velocity is not None and len(water.velocity) != d:
             found.append(f"water[{i}].velocity has {len(water.velocity)} numbers, domain.size has {d}: give {d}")
     if len({row.side for row in case.open}) < len(case.open):
         found.append(f'open: the side "{case.open[0].side}" is given twice; put both into one table')
-    found += _observables_fit(case)
+    found += _observables_fit(case) + _until_fits(case)
     for key in prefixes(type(case)):
         names = [row.name for row in getattr(case, key)]
         found += [
@@ -102,6 +108,28 @@ def _observables_fit(case: Tables) -> list[str]:
         for i, row in enumerate(getattr(case, key))
         for word, text in row.disagreements(case.domain.dimension, bodies)
     ]
+
+
+def _until_fits(case: Tables) -> list[str]:
+    """Contradictions between time.until and the tables whose answers it asks for."""
+    until = case.time.until
+    if until is None:
+        return []
+    needed = {
+        "q": ("[[overtopping]]", case.overtopping),
+        "run_up": ("[[runup]]", case.runup),
+        "reflection": ("[reflection]", case.reflection),
+    }
+    found = [
+        f"time.until.{key} = {getattr(until, key):g} asks for an answer of {table}, which is not there: add it, or "
+        f"remove {key}"
+        for key, (table, there) in needed.items()
+        if getattr(until, key) is not None and not there
+    ]
+    if case.waves is None or case.waves.kind in PASSING:
+        stated = "there are no [waves]" if case.waves is None else f'waves.kind = "{case.waves.kind}" passes once'
+        found.append(f"time.until counts waves that go on, {stated}: remove it, time.end ends the run")
+    return found
 
 
 def _reflection_fits(case: Tables) -> list[str]:

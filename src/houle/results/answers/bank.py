@@ -1,0 +1,51 @@
+"""Answers of [[bank]]: safety against sliding, exit gradient, excess pore pressure, Shields number at their worst."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from math import nan
+from typing import Any
+
+from houle.errors import CaseError
+from houle.results.answers.given import Question
+from houle.results.answers.table import Answer, Beside
+
+GRAINS = "Soulsby & Whitehouse (1997) on the slope: moves the grains"
+LIFTS = "(s - 1) (1 - n) cos(beta): lifts the grains"
+STILL = "tan(phi) / tan(beta): still water"
+WORST = "worst of all places and times"
+
+
+def questions(entries: Sequence[Mapping[str, Any]]) -> Iterator[Question]:
+    """One question for each bank, from its entry of run.json (`houle.results.bank`)."""
+    for entry in entries:
+        yield f"bank {entry['bank']}", partial(_rows, entry)
+
+
+def _rows(entry: Mapping[str, Any]) -> Iterator[Answer]:
+    """The rows of a bank. Raises CaseError where nothing could be said of it."""
+    if "problem" in entry:
+        raise CaseError(entry["problem"])
+    name = f"bank {entry['bank']}"
+    sliding = f"{WORST}, infinite slope"
+    row = _row(f"{name}, factor of safety", entry["safety"], "-", sliding, "safety", STILL, entry["still"])
+    yield row.noted(f"below 1 for {entry['unstable']:.3g} s")
+    row = _row(f"{name}, exit gradient", entry["gradient"], "-", WORST, "gradient", LIFTS, entry["critical"])
+    yield row.noted(f"above that for {entry['lifting']:.3g} s")
+    method = f"{WORST}, above water at rest with the level outside"
+    yield _row(f"{name}, excess pore pressure", entry["excess"], "Pa", method, "pore pressure")
+    if entry["shields"] is not None:
+        row = _row(f"{name}, Shields number", entry["shields"], "-", WORST, "Shields", GRAINS, entry["mobile"])
+        flow = f"{entry['shields_in_section']:.3g} without the current along the bank" if entry["current"] else ""
+        yield row.noted(f"above that for {entry['moving']:.3g} s", flow)
+
+
+def _row(
+    name: str, worst: Mapping[str, Any], unit: str, method: str, group: str, limit: str = "", value: float | None = None
+) -> Answer:
+    """The row of a number at its worst, and the limit that it is held against."""
+    beside = (Beside(limit, value),) if value is not None else ()
+    found = nan if worst["value"] is None else float(worst["value"])
+    note = f"at x = {worst['x']:.4g} m, {worst['time']:.4g} s"
+    return Answer(name, found, unit, method=method, formulas=beside, note=note, group=group)

@@ -1,0 +1,73 @@
+"""Answers of [reflection]: the coefficients, from its entry in run.json."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import isfinite, nan
+from typing import Any
+
+from houle.errors import CaseError
+from houle.results.answers import formulas
+from houle.results.answers.given import Given, Question, with_formulas
+from houle.results.answers.outline import OutlineError, emerged, outline_of
+from houle.results.answers.structure import Outline, Sea
+from houle.results.answers.table import CONFIDENCE, Answer, Beside
+
+WORDS = {"C_R": "reflected", "C_T": "transmitted", "C_D": "dissipated energy"}
+
+
+def questions(given: Given, entry: Mapping[str, Any]) -> Iterator[Question]:
+    """One question, if the case has [reflection]; `entry` is what was measured."""
+    if given.case.reflection is not None and entry:
+        yield "reflection", lambda: _rows(given, entry)
+
+
+def _rows(given: Given, entry: Mapping[str, Any]) -> Iterator[Answer]:
+    """The rows of the coefficients. Raises CaseError where none was measured."""
+    if "problem" in entry:
+        raise CaseError(entry["problem"])
+    sure = entry["confidence"] == CONFIDENCE
+    window = entry["window"]
+    method = f"{entry['method']}, {window['start']:.4g} to {window['end']:.4g} s; interval: {entry['covers']}"
+    for key, word in WORDS.items():
+        value = entry[key]
+        if value is None or not isfinite(value):
+            continue
+        low, high = entry[f"interval_{key[-1]}"] if sure else (nan, nan)
+        row = Answer(f"reflection, {key} ({word})", value, "-", low, high, method, group="coefficient")
+        yield _beside(given, row, entry) if key == "C_R" else row
+
+
+def _beside(given: Given, row: Answer, entry: Mapping[str, Any]) -> Answer:
+    """The row of C_R with linear theory beside it where it holds, else with the formula of Zanuttigh & Van der Meer."""
+    theory = entry.get("theory")
+    if theory:
+        return with_formulas(row, _plain(given.sea), lambda: [Beside("linear theory of a porous block", theory["C_R"])])
+    sea = given.sea
+    return with_formulas(row, sea, lambda: [formulas.reflection(sea, _front(given, sea))] if sea is not None else [])
+
+
+def _plain(sea: Sea | None) -> Sea | None:
+    """The sea without what keeps formulas for seas away: linear theory is for waves that are all alike."""
+    return None if sea is None else replace(sea, lack="")
+
+
+def _front(given: Given, sea: Sea) -> Outline:
+    """The section of the structure in [reflection]. Raises OutlineError: a slope is asked for."""
+    assert given.case.reflection is not None
+    structure = given.case.reflection.structure
+    end = structure[1] if len(structure) == 2 else _behind(given, structure[0])
+    x = emerged(given.case, sea, structure[0], end)
+    if x is None:
+        raise OutlineError("nothing of it stands above still water")
+    found = outline_of(given.case, sea, x)
+    if found.kind == "wall":
+        raise OutlineError("its front is an upright wall, the formula is for slopes")
+    return found
+
+
+def _behind(given: Given, x: float) -> float:
+    """The end of the tank behind a structure at x [m]."""
+    assert given.sea is not None
+    return given.case.domain.size[0] if x > given.sea.maker else 0.0
