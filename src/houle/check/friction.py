@@ -110,7 +110,7 @@ def _stream(s: CrossSection) -> str:
     case, length = s.case, s.case.domain.size[0]
     over_all = [e for e in s.water if e.shape.bounds[0][0] <= 0.0 and e.shape.bounds[1][0] >= length]
     level = max((e.shape.bounds[1][-1] for e in over_all), default=0.0)
-    fall = max(e.shape.bounds[1][-1] for e in s.water) - level  # of what stands above, or beside, the rest
+    fall = max(e.shape.bounds[1][-1] for e in s.water) - level  # height of water above or beside the rest
     given = [abs(v) for entry in s.water for v in entry.row.velocity or ()]
     speed = max(sqrt(case.fluid.gravity * max(fall, 0.0)), *given, 0.0)
     depth = SHEET * fall if fall > 0.0 else level
