@@ -167,7 +167,7 @@ WARNINGS = {
 @pytest.mark.parametrize("doubt", WARNINGS)
 def test_doubts_are_warnings(doubt):
     tables, key = WARNINGS[doubt]
-    assert levels(tank(**tables)) == {("warning", key)}
+    assert {found for found in levels(tank(**tables)) if found[0] != "info"} == {("warning", key)}
 
 
 def test_what_touches_or_agrees_is_fine():

@@ -15,7 +15,7 @@ from houle.errors import CaseError
 CASE = {
     "case": {"name": "friction"},
     "domain": {"size": [1.0, 0.5], "spacing": 0.01},
-    "water": [{"below": 0.2}],
+    "water": [{"box": [[0.0, 0.0], [0.3, 0.2]]}],
     "solid": [{"name": "step", "box": [[0.5, 0.0], [0.7, 0.1]]}],
     "time": {"end": 1.0},
 }
@@ -71,6 +71,9 @@ def test_slip_is_told_with_what_it_leaves_out():
     assert found.key == "domain.walls" and "walls = {bottom = {roughness = 0}}" in found.text
     assert not told(of(solid__step__roughness=0.0, domain__walls="no-slip"))
     assert not told(of(fluid__viscosity=0.0))
+    assert not told(of(CASE | {"water": [{"below": 0.2}]}))  # at rest
+    (found,) = told(of(CASE | {"water": [{"below": 0.2, "velocity": [1.0, 0.0]}]}))
+    assert "at 1 m/s" in found.text and "a stream 0.2 m deep" in found.text
 
 
 def test_waves_are_told_what_a_smooth_bed_takes():

@@ -106,18 +106,20 @@ def wave_friction(speed: float, omega: float, viscosity: float, roughness: float
 
 
 def _stream(s: CrossSection) -> str:
-    """The boundary layer of water that falls and runs along the tank, as words; empty for a laminar one."""
-    case, levels = s.case, [entry.shape.bounds[1][-1] for entry in s.water]
-    fall, way = min(max(levels), case.domain.size[-1]), case.domain.size[0]
+    """The boundary layer of water that falls and runs along the tank, as words; empty for a laminar one and at rest."""
+    case, length = s.case, s.case.domain.size[0]
+    over_all = [e for e in s.water if e.shape.bounds[0][0] <= 0.0 and e.shape.bounds[1][0] >= length]
+    level = max((e.shape.bounds[1][-1] for e in over_all), default=0.0)
+    fall = max(e.shape.bounds[1][-1] for e in s.water) - level  # height of water above or beside the rest
     given = [abs(v) for entry in s.water for v in entry.row.velocity or ()]
-    speed = max(sqrt(case.fluid.gravity * fall), *given, 0.0)
-    reynolds = speed * way / case.fluid.viscosity
+    speed = max(sqrt(case.fluid.gravity * max(fall, 0.0)), *given, 0.0)
+    depth = SHEET * fall if fall > 0.0 else level
+    reynolds = speed * length / case.fluid.viscosity
     if reynolds < TURBULENT:
         return ""
-    layer, friction = 0.37 * way * reynolds**-0.2, 1.25 * 0.0592 * reynolds**-0.2
-    taken = min(100.0 * friction * way / (SHEET * fall), 100.0)
+    layer, friction = 0.37 * length * reynolds**-0.2, 1.25 * 0.0592 * reynolds**-0.2
+    taken = min(100.0 * friction * length / depth, 100.0)
     return (
-        f"at {speed:.2g} m/s a smooth bed has a boundary layer {1e3 * layer:.2g} mm thick after {way:g} m (spacing "
-        f"{1e3 * s.grid.spacing[-1]:.3g} mm), and takes {taken:.2g} % of the energy of a stream {SHEET * fall:.2g} m "
-        "deep"
+        f"at {speed:.2g} m/s a smooth bed has a boundary layer {1e3 * layer:.2g} mm thick after {length:g} m (spacing "
+        f"{1e3 * s.grid.spacing[-1]:.3g} mm), and takes {taken:.2g} % of the energy of a stream {depth:.2g} m deep"
     )
