@@ -44,17 +44,22 @@ def start(here):
     return here / "demo.toml"
 
 
+def told(case):
+    """What check says of a case but for the advice on walls along which water slips, which every new tank gets."""
+    return [finding for finding in require(case) if not finding.text.startswith("lets the water slip")]
+
+
 def test_new_writes_a_case_that_checks_without_a_finding(here):
     file = start(here)
     case = load(file)
-    assert case.case.name == "demo" and require(case) == []
+    assert case.case.name == "demo" and told(case) == []
     assert "#" in file.read_text(encoding="utf-8")
 
 
 def test_new_writes_a_flume_with_waves_that_checks_without_a_finding(here):
     assert houle_says("new", "sea", "--waves")[0] == 0
     case = load(here / "sea.toml")
-    assert case.case.name == "sea" and case.waves is not None and require(case) == []
+    assert case.case.name == "sea" and case.waves is not None and told(case) == []
     status, words = houle_says("check", "sea.toml")
     assert status == 0 and "warning" not in words
     for said in ("reflection is measured from", "fenton", "kh = 0.942", "0.3 % of the waves come back"):
