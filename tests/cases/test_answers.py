@@ -208,6 +208,29 @@ def test_waves_that_pass_once_are_no_sea():
     assert set(PASSING) | {"regular"} == set(NO_SEA)
 
 
+def test_one_wave_is_no_three():
+    """A solitary wave comes over once: the volume and the highest run-up, however long the run beside its "period"."""
+    waves = {"kind": "solitary", "height": HEIGHT, "depth": DEPTH, "zone": {"x": [0.0, 3.5]}}
+    tables = {"waves": waves, "solid": [DIKE], "overtopping": CREST, "runup": [{"name": "r", "x": [6.0, 7.66]}]}
+    given = given_with(
+        case_with(**tables),
+        overtopping_volume=0.02 * np.clip(TIME - 4.0, 0.0, 1.0),
+        runup_level=DEPTH + 0.1 * np.exp(-((TIME - 4.0) ** 2)),
+    )
+    short = Given(given.case, cut(given.series, 8.0), given.sea)
+    found = rows_of([*overtopping.questions(short), *runup.questions(short)])
+    assert found["overtopping crest, volume"].value == pytest.approx(0.02)
+    assert not any("share" in name for name in found)
+    assert found["run-up r, R_max"].value == pytest.approx(0.1)
+
+
+def cut(series: Table, end: float) -> Table:
+    """The rows of a made-up series up to a time [s]."""
+    keep = end >= TIME
+    rows = {name: Variable(one.dims, one.values[:, keep], {}) for name, one in series.variables.items()}
+    return Table(rows, {"time": times(TIME[keep])}, {})
+
+
 def test_a_run_that_ends_too_soon_is_a_row():
     case = case_with(solid=[DIKE], overtopping=CREST)
     given = given_with(case, overtopping_volume=np.zeros_like(TIME))

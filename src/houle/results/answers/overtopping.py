@@ -57,7 +57,7 @@ class Crest:
     def rows(self) -> Iterator[Answer]:
         """The rows of the crest. Raises AnalysisError, CaseError."""
         name, when = f"overtopping {self.table.name}", self.given.when(self.x)
-        if self.given.sea is None:
+        if self.given.sea is None or self.given.single:
             yield Answer(f"{name}, volume", float(self.record[-1]), "m3/m", method=f"all that came over, {when}")
             return
         late = self.given.late(self.x)
