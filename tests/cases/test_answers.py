@@ -332,6 +332,13 @@ def test_water_that_flows_back_has_no_interval():
     assert q.value < 0.0 and np.isnan([q.low, q.high]).all() and "flowed back" in q.note
 
 
+def test_waves_of_less_than_a_cell_came_over_all_the_same():
+    case = case_with(solid=[DIKE], overtopping=CREST)
+    found = rows_of(overtopping.questions(given_with(case, overtopping_volume=1e-5 * TIME)))
+    q = found["overtopping crest, mean discharge"]
+    assert q.value == pytest.approx(1e-5) and "less than a cell" in q.note and "came over" not in q.note
+
+
 def test_a_slope_that_stayed_dry_has_no_highest_level():
     flume = {key: table for key, table in FLUME.items() if key != "waves"}
     case = houle.load({**flume, "runup": [{"name": "r", "x": [7.0, 9.0]}]})

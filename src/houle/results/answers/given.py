@@ -55,7 +55,7 @@ class Given:
         return np.moveaxis(variable.values[row], variable.dims.index(TIME) - 1, 0)
 
     def late(self, x: float) -> NDArray[np.intp]:
-        """Numbers of the rows of the series from the arrival of the waves at x [m] on; all without waves, and of one wave.
+        """Numbers of the rows of the series from the arrival of the waves at x [m] on; all without waves, or of one.
 
         Raises AnalysisError where fewer than three waves have come.
         """

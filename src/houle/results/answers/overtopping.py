@@ -80,7 +80,9 @@ class Crest:
             f"{name}, mean discharge", found.q, "m3/s/m", low, high, f"volume over time, {when}; {COVERS}",
             group="discharge",
         )  # fmt: skip
-        if not len(found.volumes):
+        if not len(found.volumes) and found.q > 0.0:
+            row = row.noted(f"each wave brought less than a cell of water, {self.cell:.3g} m3/m: none is counted")
+        elif not len(found.volumes):
             row = row.noted(_none_of(len(slots)))
         if found.q < 0.0:
             row = row.noted("more water flowed back than came over")
