@@ -208,6 +208,29 @@ def test_waves_that_pass_once_are_no_sea():
     assert set(PASSING) | {"regular"} == set(NO_SEA)
 
 
+def test_one_wave_is_no_three():
+    """A solitary wave comes over once: the volume and the highest run-up, however long the run beside its "period"."""
+    waves = {"kind": "solitary", "height": HEIGHT, "depth": DEPTH, "zone": {"x": [0.0, 3.5]}}
+    tables = {"waves": waves, "solid": [DIKE], "overtopping": CREST, "runup": [{"name": "r", "x": [6.0, 7.66]}]}
+    given = given_with(
+        case_with(**tables),
+        overtopping_volume=0.02 * np.clip(TIME - 4.0, 0.0, 1.0),
+        runup_level=DEPTH + 0.1 * np.exp(-((TIME - 4.0) ** 2)),
+    )
+    short = Given(given.case, cut(given.series, 8.0), given.sea)
+    found = rows_of([*overtopping.questions(short), *runup.questions(short)])
+    assert found["overtopping crest, volume"].value == pytest.approx(0.02)
+    assert not any("share" in name for name in found)
+    assert found["run-up r, R_max"].value == pytest.approx(0.1)
+
+
+def cut(series: Table, end: float) -> Table:
+    """The rows of a made-up series up to a time [s]."""
+    keep = end >= TIME
+    rows = {name: Variable(one.dims, one.values[:, keep], {}) for name, one in series.variables.items()}
+    return Table(rows, {"time": times(TIME[keep])}, {})
+
+
 def test_a_run_that_ends_too_soon_is_a_row():
     case = case_with(solid=[DIKE], overtopping=CREST)
     given = given_with(case, overtopping_volume=np.zeros_like(TIME))
@@ -240,10 +263,13 @@ def loads(peak: float, horizontal: float = 0.0, up: float = 1471.5) -> tuple[np.
 
 
 def given_wall(**force: Any) -> Given:
+    return given_forces(*loads(600.0), **force)
+
+
+def given_forces(values: np.ndarray, moment: np.ndarray, **force: Any) -> Given:
     case = case_with(
         porous=[FOUNDATION], solid=[CAISSON], force=[{**FORCE, **force}], water=[{"below": 0.4}]
     )  # fmt: skip
-    values, moment = loads(600.0)
     series = given_with(case, force=values, moment=moment).series
     about = {
         f"structure_about_{axis}": Variable(("station",), np.array([at]), {}) for axis, at in (("x", 6.25), ("z", 0.1))
@@ -270,6 +296,54 @@ def test_a_wall_with_a_weight_has_a_factor_of_safety():
     assert found["safety caisson, tilting"].value == pytest.approx((3000 - 1471.5) * 0.25 / (600 * 0.15), rel=1e-3)
     floats = rows_of(walls.questions(given_wall(weight=1000.0)))
     assert "still water lifts" in floats["safety caisson"].note
+
+
+def test_a_factor_of_safety_that_is_none_says_why():
+    """A wall that tips in still water; one that no load moves; one that the water lifts has no friction left."""
+    seaward = rows_of(walls.questions(given_wall(weight=3000.0, heel=[5.0, 0.1])))
+    assert "tips in still water" in seaward["safety caisson"].note
+    still = list(walls.questions(given_loads(0.0 * TIME, weight=3000.0, friction=0.6)))
+    for name in ("sliding", "tilting"):
+        assert rows_of(still)[f"safety caisson, {name}"].note.startswith("not answered: no load of the waves")
+    lifted = rows_of(walls.questions(given_loads(600.0 * np.sin(TIME), weight=1600.0, friction=0.6)))
+    assert lifted["safety caisson, sliding"].value == 0.0
+
+
+def given_loads(load: np.ndarray, **force: Any) -> Given:
+    """The caisson under a load (T,) along x, and as large a one upwards beside its buoyancy."""
+    values, moment = np.stack([load, 1471.5 + load], axis=1), 0.15 * load
+    return given_forces(values, moment, **force)
+
+
+@pytest.mark.parametrize("side", ["bottom", "top"])
+def test_a_floor_is_no_wall(side):
+    case = case_with(water=[{"below": 0.4}], force=[{"name": "F", "side": side}])
+    found = rows_of(walls.questions(given_with(case, force=np.stack([TIME, TIME], axis=1), moment=TIME)))
+    assert list(found) == ["force F"] and "no wall" in found["force F"].note
+
+
+def test_water_that_flows_back_has_no_interval():
+    """More comes back than went over: an interval about the mean discharge would begin above its end."""
+    record = sum(size * np.clip(TIME - at, 0.0, 1.0) for at, size in ((20, -0.01), (50, 1e-3), (80, 1e-3), (110, 1e-3)))
+    found = rows_of(
+        overtopping.questions(given_with(case_with(solid=[DIKE], overtopping=CREST), overtopping_volume=record))
+    )
+    q = found["overtopping crest, mean discharge"]
+    assert q.value < 0.0 and np.isnan([q.low, q.high]).all() and "flowed back" in q.note
+
+
+def test_waves_of_less_than_a_cell_came_over_all_the_same():
+    case = case_with(solid=[DIKE], overtopping=CREST)
+    found = rows_of(overtopping.questions(given_with(case, overtopping_volume=1e-5 * TIME)))
+    q = found["overtopping crest, mean discharge"]
+    assert q.value == pytest.approx(1e-5) and "less than a cell" in q.note and "came over" not in q.note
+
+
+def test_a_slope_that_stayed_dry_has_no_highest_level():
+    flume = {key: table for key, table in FLUME.items() if key != "waves"}
+    case = houle.load({**flume, "runup": [{"name": "r", "x": [7.0, 9.0]}]})
+    found = rows_of(runup.questions(given_with(case, runup_level=np.full(len(TIME), np.nan))))
+    assert found["run-up r"].note == "not answered: no water stood on it in the whole run"
 
 
 @pytest.mark.parametrize(

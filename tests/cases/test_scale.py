@@ -33,6 +33,12 @@ def test_a_drop_of_level_gives_the_grain_of_the_formula():
     assert layer.prototype.reynolds == pytest.approx(formula.reynolds, rel=1e-9)
 
 
+def test_a_ship_has_no_wavelength_whose_pressure_decays_in_a_bank():
+    """The length of its waves is that of their record, a kilometre: the gradient is assumed, as without waves."""
+    layer = only(load("bank-ship-wave"))
+    assert layer.cause.startswith("assumed") and layer.gradient == pytest.approx(0.1)
+
+
 def test_water_moves_by_froude_with_the_grain_that_is_advised():
     """Taken in place of the case's own, the grains give the prototype's velocities over sqrt(S) and its KC numbers."""
     before = layers(load("breakwater"), SCALE)

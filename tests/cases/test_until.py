@@ -70,6 +70,7 @@ def test_every_crest_has_to_be_sure():
     ("until", "message"),
     [
         ({}, "asks for nothing"),
+        ({"q": None}, "asks for nothing"),
         ({"q": 30}, "time.until.q = 30"),
         ({"run_up": 0.1}, "asks for an answer of ..runup.., which is not there"),
         ({"wave": 3}, "time.until.wave"),

@@ -172,6 +172,7 @@ def test_a_ship_beside_its_channel_is_refused_by_the_table(changes, said):
         ({"draught": 1.9, "speed": 2.0}, r"ship.draught = 1.9 m, and 0.\d+ m by which .* the bed of 2 m"),
         ({"bed_width": ..., "area": 80.0}, r"ship.area = 80: a channel 34 m wide has at most 68 m2"),
         ({"toe": 0.0}, r"ship.toe = 0: the waves come from x = 0 m"),
+        ({"speed": 1e-6}, r"ship.speed = 1e-06: .* 1000 at most; speed > 0.35\d* m/s"),
         ({"length": 1.5}, r"ship.length = 1.5 m: a stern wave 0.272 m high is 2.84 m long"),
         ({"gravity": 3.7}, r"fluid.gravity = 3.7"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import sqrt
 
 from houle.case.tables.ship import Ship
 from houle.design.errors import DesignError
@@ -19,6 +20,7 @@ from houle.waves.dispersion import GRAVITY
 from houle.waves.ship import Passage, earliest
 from houle.waves.wave import WaveError
 
+MOST = 1000  # secondary waves in the time of a passage: more are too short to be computed, and too low to matter
 WEIGHED = 0.01  # gravity may differ so much from that of the formulas
 
 
@@ -101,6 +103,12 @@ def passage_of(ship: Ship, depth: float, gravity: float, place: float) -> Passag
         drawdown=found.bank.z_bank, stern=found.bank.z_max, current=found.bank.u_bank, height=found.waves.H,
         period=found.waves.T,
     )  # fmt: skip
+    count = (passage.end - passage.time - passage.knots[0][0] / passage.speed) / passage.period
+    if count > MOST:
+        raise WaveError(
+            f"ship.speed = {ship.speed:g}: it passes so slowly that {count:.3g} of its secondary waves, T = "
+            f"{passage.period:.3g} s, go by, {MOST} at most; speed > {ship.speed * sqrt(count / MOST):.3g} m/s"
+        )
     if ship.time is not None:
         return passage
     return replace(passage, time=earliest(passage, ship.toe - place, depth, gravity))

@@ -26,6 +26,7 @@ from houle.check.drag import expected_gradient
 from houle.design.mound import pore_pressure, similar_grain
 from houle.errors import CaseError
 from houle.grid import FloatArray
+from houle.waves.ship import ShipWave
 
 MOST = 1000.0  # largest scale that is taken: models are larger
 POINTS = 20  # places in a body, and moments of a quarter of a period, over which the velocity is averaged
@@ -121,7 +122,8 @@ def _gradients(case: Case, section: CrossSection, body: Entry[Porous]) -> tuple[
     """
     drop = section.drop()
     wave = case.wave
-    if wave is None or wave.height <= 0 or drop >= section.grid.spacing[-1]:
+    passes = isinstance(wave, ShipWave)  # its length is that of the record, and no wave of that length comes
+    if wave is None or passes or wave.height <= 0 or drop >= section.grid.spacing[-1]:
         known = drop >= section.grid.spacing[-1]
         cause = f"drop of the water level, {drop:.3g} m" if known else "assumed: waves make one of this order"
         return np.array([expected_gradient(section, body, drop)]), cause

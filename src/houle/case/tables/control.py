@@ -33,7 +33,7 @@ class Until(Table):
 
     @model_validator(mode="after")
     def asks_for_something(self) -> Until:
-        if not self.model_fields_set:
+        if all(asked is None for asked in (self.q, self.run_up, self.reflection, self.waves)):
             raise ValueError("= {} asks for nothing: give one of q, run_up, reflection, waves, or remove until")
         return self
 

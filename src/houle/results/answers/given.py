@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from houle.case.model import Case
     from houle.output.netcdf import Table
 
+SINGLE = ("solitary", "focused", "ship")  # kinds of which one wave or group comes: the whole run is about it
 EXPECTED = (CaseError, AnalysisError, DesignError)  # errors whose message is the reason that a question has no answer
 Question = tuple[str, Callable[[], Iterable[Answer]]]
 
@@ -39,6 +40,11 @@ class Given:
         return self.case.domain.size[1] if self.case.dimension == 3 else 1.0
 
     @property
+    def single(self) -> bool:
+        """True where one wave or group comes: the whole run is looked at, and no waves are counted."""
+        return self.case.waves is not None and self.case.waves.kind in SINGLE
+
+    @property
     def time(self) -> FloatArray:
         """Times (T,) of the series [s]."""
         return np.asarray(self.series[TIME].values)
@@ -49,16 +55,16 @@ class Given:
         return np.moveaxis(variable.values[row], variable.dims.index(TIME) - 1, 0)
 
     def late(self, x: float) -> NDArray[np.intp]:
-        """Numbers of the rows of the series from the arrival of the waves at x [m] on; all without waves.
+        """Numbers of the rows of the series from the arrival of the waves at x [m] on; all without waves, or of one.
 
         Raises AnalysisError where fewer than three waves have come.
         """
-        if self.sea is None:
+        if self.sea is None or self.single:
             return np.arange(len(self.time))
         start = self.sea.start(x)
         if (count := self.waves(x)) < 3.0:
             arrived = f"the waves arrive at x = {x:g} m at t = {start:.3g} s and the run ends at {self.end:.4g} s"
-            raise AnalysisError(f"{arrived}: {max(0.0, count):.1f} waves; 3 are the least")
+            raise AnalysisError(f"{arrived}: {max(0.0, count):.2g} waves; 3 are the least")
         return np.flatnonzero(self.time >= start)
 
     @property
@@ -68,11 +74,13 @@ class Given:
     def waves(self, x: float) -> float:
         """Number of waves that came to x [m] in the run: their mean period is that between zero crossings."""
         assert self.sea is not None
+        if self.single:
+            return 1.0
         return (self.end - self.sea.start(x)) / self.sea.mean
 
     def when(self, x: float) -> str:
         """The part of the run that is looked at, in words."""
-        if self.sea is None:
+        if self.sea is None or self.single:
             return f"0 to {self.end:.4g} s"
         return f"{self.sea.start(x):.4g} to {self.end:.4g} s, {self.waves(x):.0f} waves of {self.sea.mean:.3g} s"
 

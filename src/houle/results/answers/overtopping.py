@@ -57,7 +57,7 @@ class Crest:
     def rows(self) -> Iterator[Answer]:
         """The rows of the crest. Raises AnalysisError, CaseError."""
         name, when = f"overtopping {self.table.name}", self.given.when(self.x)
-        if self.given.sea is None:
+        if self.given.sea is None or self.given.single:
             yield Answer(f"{name}, volume", float(self.record[-1]), "m3/m", method=f"all that came over, {when}")
             return
         late = self.given.late(self.x)
@@ -73,14 +73,20 @@ class Crest:
 
     def _discharge(self, name: str, found: Volumes, slots: FloatArray, when: str) -> Iterator[Answer]:
         """The mean discharge in m3/s/m with all that stands beside it, and once more in l/s/m."""
-        low, high = (found.q * end / float(slots.mean()) if end == end else nan for end in mean_interval(slots))
+        known = found.q > 0.0  # water that flows back counts negative
+        ends = mean_interval(slots) if known else (nan, nan)
+        low, high = (found.q * end / float(slots.mean()) if end == end else nan for end in ends)
         row = Answer(
             f"{name}, mean discharge", found.q, "m3/s/m", low, high, f"volume over time, {when}; {COVERS}",
             group="discharge",
         )  # fmt: skip
-        if not len(found.volumes):
+        if not len(found.volumes) and found.q > 0.0:
+            row = row.noted(f"each wave brought less than a cell of water, {self.cell:.3g} m3/m: none is counted")
+        elif not len(found.volumes):
             row = row.noted(_none_of(len(slots)))
-        elif low != low:
+        if found.q < 0.0:
+            row = row.noted("more water flowed back than came over")
+        elif len(found.volumes) and low != low:
             row = row.noted(f"{len(found.volumes)} overtopping waves give no interval, 3 or more do")
         row = with_formulas(row, self.given.sea, lambda: formulas.mean_overtopping(self.sea, self.outline))
         row = with_tests(row, self.given.sea, lambda: formulas.laboratory_tests(self.sea, self.outline))

@@ -11,6 +11,7 @@ import numpy as np
 
 from houle.analysis.events import interval
 from houle.analysis.runup import LEAST_WAVES, RunUp, run_up
+from houle.errors import CaseError
 from houle.grid import FloatArray
 from houle.results.answers import formulas
 from houle.results.answers.given import Given, Question, with_formulas
@@ -32,9 +33,11 @@ def questions(given: Given) -> Iterator[Question]:
 
 
 def _rows(given: Given, row: int, table: observed.RunUp) -> Iterator[Answer]:
-    """The rows of a stretch of slope. Raises AnalysisError."""
+    """The rows of a stretch of slope. Raises AnalysisError; CaseError where it stayed dry."""
     name, record, sea = f"run-up {table.name}", given.record("runup_level", row), given.sea
     if sea is None:
+        if not np.isfinite(record).any():
+            raise CaseError("no water stood on it in the whole run")
         highest = float(np.nanmax(record))
         yield Answer(f"{name}, highest level", highest, "m", method="above z = 0, in the whole run", group="run-up")
         return

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from houle.analysis.events import Events, interval, load_events
+from houle.errors import CaseError
 from houle.grid import FloatArray
 from houle.results.answers import wall_formulas
 from houle.results.answers.given import Given, Question, with_formulas
@@ -28,20 +29,32 @@ if TYPE_CHECKING:
     from houle.case.tables.observed import Force
 
 GODA = 250  # F_1/250 is the mean of the highest of so many waves
+ENDS = ("left", "right")  # sides of the tank that waves run against
 TENTH = 0.1  # part of the waves that exceed a load
 ENOUGH = 20  # waves from which on a tenth of them is told
 
 
 def questions(given: Given) -> Iterator[Question]:
-    """A question for each [[force]]: its loads; and its safety where a weight is given."""
+    """A question for each [[force]]: its loads; and its safety where a weight is given.
+
+    The question of a side that no wave runs against has no answer.
+    """
     for row, table in enumerate(given.case.force):
         if given.sea is None:
             yield f"force {table.name}", partial(_whole, given, row, table)
+            continue
+        if table.side not in (None, *ENDS):
+            yield f"force {table.name}", partial(_no_wall, table)
             continue
         wall = wall_of(given, row, table)
         yield f"force {table.name}", partial(_loads, given, wall)
         if table.weight is not None:
             yield f"safety {table.name}", partial(safety, given, wall, table)
+
+
+def _no_wall(table: Force) -> NoReturn:
+    """Raises CaseError: waves run against no such side."""
+    raise CaseError(f'side = "{table.side}" is no wall that waves run against; its force is in series.nc')
 
 
 def _whole(given: Given, row: int, table: Force) -> Iterator[Answer]:
