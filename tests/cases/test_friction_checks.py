@@ -52,11 +52,21 @@ def test_a_joined_side_has_no_wall_that_rubs():
 
 
 @pytest.mark.parametrize(
-    "walls", [{"bottom": {"roughness": -1e-3}}, {"bottom": {"roughnes": 1e-3}}, {"bottom": "rough"}]
+    ("side", "message"),
+    [
+        ({"roughness": -1e-3}, r"^domain.walls.bottom.roughness = -0.001 is outside 0 <= roughness <= 1 \[m\].$"),
+        (
+            {"roughnes": 1e-3},
+            r"domain.walls.bottom.roughnes is not a key of the case file. Did you mean .roughness.\?",
+        ),
+        ("rough", r'^domain.walls.bottom = "rough" is not one of "slip", "no-slip".$'),
+        (3, r'^domain.walls.bottom = 3 is not one of "slip", "no-slip".$'),
+    ],
 )
-def test_wrong_walls_are_named(walls):
-    with pytest.raises(CaseError, match=r"domain\.walls\.bottom"):
-        of(domain__walls=walls)
+def test_wrong_walls_are_named(side, message):
+    """About the form in which the side was given."""
+    with pytest.raises(CaseError, match=message):
+        of(domain__walls={"bottom": side})
 
 
 def test_wrong_roughness_of_a_solid_is_named():

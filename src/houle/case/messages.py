@@ -61,6 +61,7 @@ KINDS = {
     "tuple_type": "a list [...]",
     "model_type": "a table",
 }
+WORD, TABLE = "<word>", "<table>"  # forms of a value that may be either: they are no part of its place
 LATER = {"stl"}  # keys of later versions
 
 
@@ -148,7 +149,9 @@ def told(loc: Iterable[str | int], data: Any) -> str:
 
 def explain(error: ValidationError, model: type[BaseModel], data: dict[str, Any]) -> str:
     """One message about all errors of a failed validation; it shows the first few."""
-    errors = error.errors()
+    errors: list[dict[str, Any]] = [
+        {**e, "loc": tuple(part for part in e["loc"] if part not in (WORD, TABLE))} for e in error.errors()
+    ]
     inner = [e["loc"] for e in errors]
     kept = [e for e in errors if not any(len(o) > len(e["loc"]) and o[: len(e["loc"])] == e["loc"] for o in inner)]
     lines = [line for e in kept for line in _lines(e, model, data)]

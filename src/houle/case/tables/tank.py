@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from houle.case import messages
+from houle.case.messages import TABLE, WORD
 from houle.case.tables.base import Name, Point, Point2, Table, is_a_box
 from houle.grid import Grid
 from houle.medium.resistance import LAWS
@@ -34,7 +35,13 @@ class Rough(Table):
     )
 
 
-Side = Literal["slip", "no-slip"] | Rough
+def _form(value: Any) -> str:
+    """The form in which a side is given, so that a wrong one is told about that form alone."""
+    return TABLE if isinstance(value, dict | Rough) else WORD
+
+
+Word = Annotated[Literal["slip", "no-slip"], Tag(WORD)]
+Side = Annotated[Word | Annotated[Rough, Tag(TABLE)], Discriminator(_form)]
 
 
 class Walls(Table):
