@@ -75,7 +75,7 @@ def keys_of(table: str) -> list[str]:
 
 def _model(row: Schema, optional: bool = False) -> str:
     """Name of the model that a property refers to, directly, in a list or as a choice; "" without."""
-    found = [row, row.get("items", {}), *row.get("anyOf", [])]
+    found = [row, row.get("items", {}), *row.get("anyOf", row.get("oneOf", []))]
     names = [str(part["$ref"]).rpartition("/")[2] for part in found if "$ref" in part]
     if not names and not optional:
         raise ValueError(f"no table: {row}")
@@ -141,8 +141,8 @@ def values(row: Schema) -> str:
         return ", ".join(f'`"{choice}"`' for choice in row["enum"])
     if "$ref" in row:
         return _reference(row)
-    if "anyOf" in row:
-        kinds = [part for part in row["anyOf"] if part.get("type") != "null"]
+    if either := row.get("anyOf", row.get("oneOf")):
+        kinds = [part for part in either if part.get("type") != "null"]
         return " or ".join(dict.fromkeys(values(part) for part in kinds))
     if "const" in row:
         return f'`"{row["const"]}"`'
