@@ -15,7 +15,7 @@ from houle.case.tables.waves import PASSING
 from houle.check.rules import check, require
 from houle.errors import CaseError
 from houle.output.netcdf import Table, Variable, times
-from houle.results.answers import overtopping, pressures, runup, walls
+from houle.results.answers import bank, overtopping, pressures, runup, walls
 from houle.results.answers.given import Given, attempted
 from houle.results.answers.outline import OutlineError, outline_of
 from houle.results.answers.picture import write
@@ -337,6 +337,19 @@ def test_waves_of_less_than_a_cell_came_over_all_the_same():
     found = rows_of(overtopping.questions(given_with(case, overtopping_volume=1e-5 * TIME)))
     q = found["overtopping crest, mean discharge"]
     assert q.value == pytest.approx(1e-5) and "less than a cell" in q.note and "came over" not in q.note
+
+
+def test_a_bank_whose_plane_stayed_dry_has_no_exit_gradient():
+    """A number that is not finite is a row that says why: infinite as computed, None as read from run.json."""
+    safe, worst = {"value": 1.5, "x": 1.0, "time": 2.0}, {"x": 1.0, "time": 0.0}
+    for value in (-np.inf, None):
+        entry = {
+            "bank": "b", "safety": safe, "still": 1.5, "unstable": 0.0, "gradient": {**worst, "value": value},
+            "critical": 0.9, "lifting": 0.0, "excess": safe, "shields": None,
+        }  # fmt: skip
+        found = rows_of(bank.questions([entry]))
+        assert found["bank b, exit gradient"].note.startswith("not answered: the face is level, or the plane")
+        assert found["bank b, factor of safety"].value == 1.5
 
 
 def test_a_slope_that_stayed_dry_has_no_highest_level():

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from math import nan
+from math import isfinite
 from typing import Any
 
 from houle.errors import CaseError
 from houle.results.answers.given import Question
-from houle.results.answers.table import Answer, Beside
+from houle.results.answers.table import Answer, Beside, not_answered
 
 GRAINS = "Soulsby & Whitehouse (1997) on the slope: moves the grains"
 LIFTS = "(s - 1) (1 - n) cos(beta): lifts the grains"
@@ -44,8 +44,12 @@ def _rows(entry: Mapping[str, Any]) -> Iterator[Answer]:
 def _row(
     name: str, worst: Mapping[str, Any], unit: str, method: str, group: str, limit: str = "", value: float | None = None
 ) -> Answer:
-    """The row of a number at its worst, and the limit that it is held against."""
+    """The row of a number at its worst, and the limit that it is held against.
+
+    A face that is level does not slide, and through a dry plane nothing flows: then the number is not finite.
+    """
+    if worst["value"] is None or not isfinite(worst["value"]):
+        return not_answered(name, "the face is level, or the plane inside it stayed dry", unit)
     beside = (Beside(limit, value),) if value is not None else ()
-    found = nan if worst["value"] is None else float(worst["value"])
     note = f"at x = {worst['x']:.4g} m, {worst['time']:.4g} s"
-    return Answer(name, found, unit, method=method, formulas=beside, note=note, group=group)
+    return Answer(name, float(worst["value"]), unit, method=method, formulas=beside, note=note, group=group)
