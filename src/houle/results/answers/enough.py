@@ -27,9 +27,9 @@ ROUND = 1e-6  # waves: less is rounding
 
 @dataclass(frozen=True)
 class Asked:
-    """Half of the interval of an answer beside the most that is asked for, both in per cent, or a number of waves.
+    """Half of the interval of an answer beside the most that is asked for, or a number of waves beside the least.
 
-    half  NaN as long as the answer has no interval
+    half  share of the answer, of C_R the number itself; NaN as long as the answer has no interval
     more  waves that are still to come, as intervals shrink with the root of the number of waves; NaN if it is not known
     """
 

@@ -57,13 +57,19 @@ def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
 
 def sure(run: Run, summary: Mapping[str, Any]) -> bool:
     """True if all answers of a run that goes on are as sure as time.until asks; summary as of `answers`."""
-    rows = answers(run, summary)
-    return all(one.met for one in enough.asked(run.case, rows, enough.waves_of(run.case, run.directory)))
+    return all(one.met for one in _asked(run, answers(run, summary)))
 
 
 def until(run: Run, rows: list[Answer]) -> dict[str, Any]:
     """The entry "until" of run.json; {} where the case asks for nothing."""
-    return enough.entry(enough.asked(run.case, rows, enough.waves_of(run.case, run.directory)))
+    return enough.entry(_asked(run, rows))
+
+
+def _asked(run: Run, rows: list[Answer]) -> list[enough.Asked]:
+    """All that time.until asks for; [] without it, and then no series is read."""
+    if run.case.time.until is None:
+        return []
+    return enough.asked(run.case, rows, enough.waves_of(run.case, run.directory))
 
 
 def _questions(given: Given, found: Mapping[str, Any]) -> Iterator[Question]:
