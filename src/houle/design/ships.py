@@ -6,11 +6,10 @@ section 4.3.4; DIPRO: Delft Hydraulics' program of bank protections.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from typing import Annotated
-
-from scipy.optimize import brentq
 
 from houle.design.errors import DesignError
 from houle.design.formula import Answer, Choice, Input, Limit, formula, quantity
@@ -59,11 +58,18 @@ class SecondaryWaves(Answer):
     T: float = quantity("period", "s")
 
 
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Root of a function between two numbers at which its signs differ."""
+    from scipy.optimize import brentq  # a quarter of a second to load, and every run loads this module
+
+    return float(brentq(function, low, high, xtol=1e-15))
+
+
 def _limit(canal_area: float, ship_area: float, canal_width: float) -> float:
     if not ship_area < canal_area:
         raise DesignError(f"ship_area = {ship_area:g} must be below canal_area = {canal_area:g} [m2]")
     part = 1 - ship_area / canal_area
-    froude = float(brentq(lambda F: part - 1.5 * F ** (2 / 3) + 0.5 * F * F, 0.0, 1.0, xtol=1e-15))
+    froude = _root(lambda F: part - 1.5 * F ** (2 / 3) + 0.5 * F * F, 0.0, 1.0)
     return froude * sqrt(GRAVITY * canal_area / canal_width)
 
 
@@ -104,7 +110,7 @@ def ship_drawdown(*, speed: Speed, canal_area: CanalArea, ship_area: ShipArea, c
         return w * (canal_area - ship_area - canal_width * z) - speed * canal_area
 
     most = sqrt((2 * GRAVITY * (canal_area - ship_area) / canal_width + speed**2) / 3)  # here the discharge is largest
-    w = float(brentq(missing, speed, most, xtol=1e-15)) if missing(most) > 0 else most
+    w = _root(missing, speed, most) if missing(most) > 0 else most
     ratios = {"As/Ac": ship_area / canal_area, "V/V_L": speed / limit}
     return Drawdown(z=(w * w - speed**2) / (2 * GRAVITY), u=w - speed, V_L=limit, ratios=ratios)
 

@@ -20,8 +20,6 @@ from functools import cached_property
 from math import ceil, pi
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.special import erf
 
 from houle.waves import dispersion
 from houle.waves.finite import SHARPNESS
@@ -74,6 +72,8 @@ class _Stretch:
 
     def grown(self, k: Array) -> Complex:
         """s e^{ikx}, which ends again at `flat`, for wave numbers k (n,): (n, nx)."""
+        from scipy.special import erf
+
         share = (erf(self.sharp * self.x) - erf(self.sharp * (self.x - self.flat))) / 2
         return np.asarray(share * np.exp(1j * np.asarray(k)[:, None] * self.x))
 
@@ -187,6 +187,8 @@ def pair_force(wave: SecondOrder, width: float, side: str, middle: float, x: Arr
 
 def _at(water: _Stretch, field: Complex, x: Array) -> Complex:
     """A field (..., nx) of the stretch at other places."""
+    from scipy.interpolate import CubicSpline  # a quarter of a second to load, for sources of second order alone
+
     return np.asarray(CubicSpline(water.x, field, axis=-1)(x))
 
 
