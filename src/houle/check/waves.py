@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from math import asin, degrees, inf, radians, sin
+from math import asin, degrees, inf, pi, radians, sin, sqrt
 from typing import Literal
 
 import numpy as np
 import shapely
 
 from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
-from houle.boundary.sponge import sides
+from houle.boundary.sponge import damping, left_over, sent_back, sides
 from houle.case.acting import Reach, reach, source_of
 from houle.case.messages import place
 from houle.case.model import Case
@@ -480,10 +480,26 @@ def _filled(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
 def _long(s: CrossSection, i: int, sponge: Sponge, wave: Wave | None) -> Iterator[Finding]:
     """The sponge is long enough beside the wave: a short one reflects it."""
     axis, _ = sides(sponge.box, s.case.domain.size, min(s.grid.spacing) / 2)[0]
-    long = sponge.box[1][axis] - sponge.box[0][axis]
-    if wave is not None and long < _long_enough(s.case) * wave.length and wave.name not in RECORDED:
+    if wave is None or wave.name in RECORDED:
+        return
+    long, _, back = absorbed(s.case, sponge, wave, axis)
+    if long < _long_enough(s.case) * wave.length:
+        share = f", some {100 * back:.0f} %" if _periodic(s.case) else ""
         text = (
             f"is {long:.3g} m long, {long / wave.length:.2f} of the wavelength {wave.length:.3g} m: a short sponge "
-            f"sends waves back; {1.5 * wave.length:.3g} m are good"
+            f"sends waves back{share}; {1.5 * wave.length:.3g} m are good"
         )
         yield Finding("warning", f"{_key(s.case, i)}.box", text)
+
+
+def absorbed(case: Case, sponge: Sponge, wave: Wave | None, axis: int) -> tuple[float, float, float]:
+    """Length of a sponge along its axis [m], its largest rate [1/s], and the share of the amplitude that it sends back.
+
+    Without a wave, or for a solitary one, the share is what is left of a long wave after the way in and out.
+    """
+    long = sponge.box[1][axis] - sponge.box[0][axis]
+    speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * CrossSection(case).depth())
+    strength = sponge.strength or damping(speed, long)
+    if wave is None or not _periodic(case):
+        return long, strength, left_over(strength, speed, long)
+    return long, strength, sent_back(strength, long, 2 * pi / wave.length, speed)
