@@ -73,11 +73,11 @@ def left_over(strength: float, group_velocity: float, length: float) -> float:
 def sent_back(strength: float, length: float, wave_number: float, group_velocity: float) -> float:
     """Share of the amplitude of a wave that a sponge with a wall behind it sends back [-].
 
-    It is what is left after the way in and out (`left_over`) together with what the growth of sigma itself sends back, which is much
-    in a sponge that is short beside the wave. The velocity u of long waves obeys u'' + k^2 (1 + i sigma / omega) u = 0
-    with u = 0 at the wall; with k c_g in the place of omega the decay along x is that of a wave of any length, sigma /
-    (2 c_g). It is solved from the wall to the edge in `SLICES` of one sigma each. Shorter waves come back less than it
-    says, as they run on below what holds them (docs/theory.md, section 14).
+    It is what is left after the way in and out (`left_over`) together with what the growth of sigma itself sends back,
+    which is much in a sponge that is short beside the wave. The velocity u of long waves obeys
+    u'' + k^2 (1 + i sigma / omega) u = 0 with u = 0 at the wall; with k c_g in the place of omega the decay along x is
+    that of a wave of any length, sigma / (2 c_g). It is solved from the wall to the edge in `SLICES` of one sigma each.
+    Shorter waves come back less than it says, as they run on below what holds them (docs/theory.md, section 14).
 
     strength: sigma_m [1/s]; length [m]; wave_number: k [rad/m]; group_velocity: c_g [m/s]
     """
