@@ -29,7 +29,7 @@ from houle.data.history import shortcomings
 from houle.errors import CaseError, metres
 from houle.medium import shapes
 from houle.waves import record
-from houle.waves.dispersion import group_velocity
+from houle.waves.dispersion import group_velocity, wave_number
 from houle.waves.paddle import PaddleWave, RecordedMotion
 from houle.waves.wave import Wave
 
@@ -37,7 +37,7 @@ LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths: a zone or a sponge shorter 
 SHORT = 0.5  # wavelengths: a zone shorter than this is an error for periodic waves
 SAME = 1e-3  # depths that differ by no more are the same: [m], or as a share of the depth if that is more
 TOLD = 0.35  # share of the rms of a record that a source may leave out without a warning (`left_out`)
-OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
+OVER = 10.0  # cells in the least depth over a bar: with five the third harmonic behind it is a third too low
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
 RECORDED = ("series", "paddle", "ship")  # waves with no one length
 COARSE = 0.02  # share of the stroke by which lines between samples of a paddle may miss the curve: 11 a period
@@ -350,18 +350,28 @@ def _layers(s: CrossSection, span: Reach) -> list[shapes.Span]:
 
 
 def _crests(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """There are enough cells in the water over submerged crests: short harmonics arise there."""
+    """There are enough cells in the water over submerged crests, where short harmonics arise; their length is told."""
     level, h = s.depth(), s.grid.spacing[-1]
     for body in (*s.solid, *s.porous):
         left = level - float(body.shape.bounds[1][-1])
         if left <= 0.0 or left >= wave.depth * (1 - SAME):
             continue
         if (cells := left / h) < OVER * (1 - 1e-9):
+            third = ""
+            if _periodic(s.case) and wave.name not in RECORDED:
+                short = _third(wave, left, s.case.fluid.gravity)
+                third = f", and third harmonics {short:.2g} m long, {short / max(s.grid.spacing):.0f} cells"
             text = (
-                f"leaves {left:.3g} m of water over its crest, {cells:.1f} cells: with 5 the third harmonic behind a "
-                f"bar was a third too low, {OVER:g} leave a tenth of it; domain.spacing = {left / OVER:.2g}"
+                f"leaves {left:.3g} m of water over its crest, {cells:.1f} cells{third}: with 5 and 29 the third "
+                f"harmonic behind a bar was a third too low, {OVER:g} and 58 keep it; domain.spacing = "
+                f"{left / OVER:.2g}"
             )
             yield Finding("warning", body.key, text)
+
+
+def _third(wave: Wave, depth: float, gravity: float) -> float:
+    """Length of a free wave of three times the frequency, in water of another depth [m]."""
+    return 2 * pi / float(wave_number(6 * pi / wave.period, depth, gravity))
 
 
 def _lid(s: CrossSection, wave: Wave) -> Iterator[Finding]:
