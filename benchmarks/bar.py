@@ -3,7 +3,7 @@
     python benchmarks/bar.py [--spacing 0.02] [--transfer fmpm] [--order 4] [--end 28]
 
 Waves of 2.02 s and 20 mm in 0.4 m; the bar rises by 1:20 from 6 m to 0.1 m under water, has its crest from 12 to 14 m
-and falls by 1:10 to 17 m (case A of Dingemans 1994, Luth et al. 1994), in a tank from 2.5 to 24 m of that flume. Printed
+and falls by 1:10 to 17 m (case A of Dingemans 1994, Luth et al. 1994); the tank is that flume from 2.5 to 24 m. Printed
 are the amplitudes of the harmonics over the last three periods, root of the mean square over each stretch. Two and a
 half minutes in cells of 20 mm, a quarter of an hour in cells of 10 mm.
 """
