@@ -6,7 +6,7 @@ import pytest
 from scipy.linalg import solve_banded
 
 from houle.boundary.relaxation_zone import RelaxationZone
-from houle.boundary.sponge import Sponge, damping
+from houle.boundary.sponge import Sponge, damping, sent_back
 from houle.grid import Grid
 from houle.waves.theories import regular
 
@@ -49,12 +49,17 @@ def zone():
 @pytest.fixture(scope="module")
 def sponge():
     """The same of a sponge."""
+    return sponge_of(1.5)
+
+
+def sponge_of(length):
+    """Rates of a sponge of this length in wavelengths, as `zone`."""
     wave = regular("airy", 1e-5, PERIOD, DEPTH)
-    end = 1.5 * wave.length
+    end = length * wave.length
     grid = Grid((2 * CELLS, 2), (end / CELLS, DEPTH), (False, False))
     rate = grid.faces()
     Sponge(grid, ((0.0, 0.0), (end, 2 * DEPTH)), damping(wave.group_velocity, end)).resist(rate)
-    return rate[0][: CELLS + 1, 0] / wave.omega, np.zeros(CELLS + 1), 1.5
+    return rate[0][: CELLS + 1, 0] / wave.omega, np.zeros(CELLS + 1), length
 
 
 @pytest.mark.parametrize(("tone", "limit"), [(1.0, 0.01), (1.4, 0.01), (0.7, 0.08)])
@@ -72,3 +77,16 @@ def test_a_zone_makes_waves_as_high_as_asked_for(zone, tone):
 def test_a_wall_alone_sends_everything_back():
     nothing = np.zeros(CELLS + 1)
     assert abs(answer(nothing, nothing, 1.5, 1.0, incident=True)) == pytest.approx(1.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("length", [0.25, 0.5, 0.75, 1.0, 1.5, 2.0])
+def test_what_a_sponge_of_any_length_sends_back_is_that_of_the_solution_in_frequency(length):
+    """The other way to solve the same equation has an error of (k h)^2 / 12 over the length, and sigma 2 % from c_g."""
+    wave = regular("airy", 1e-5, PERIOD, DEPTH)
+    end = length * wave.length
+    told = sent_back(damping(wave.group_velocity, end), end, 2 * np.pi / wave.length, wave.group_velocity)
+    assert told == pytest.approx(abs(answer(*sponge_of(length), 1.0, incident=True)), rel=0.02, abs=2e-4)
+
+
+def test_without_resistance_the_wall_behind_a_sponge_sends_all_back():
+    assert sent_back(0.0, 0.3, 20.0, 1.0) == pytest.approx(1.0, rel=1e-12)

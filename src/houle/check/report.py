@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from houle.boundary.open_side import CROSSINGS
-from houle.boundary.sponge import damping, left_over, sides
+from houle.boundary.sponge import sides
 from houle.case.acting import law_of_piston, reach, source_of
 from houle.case.messages import place
 from houle.case.model import Case
@@ -26,6 +26,7 @@ from houle.check.rules import require
 from houle.check.scale import sheet
 from houle.check.ship import ship_rows
 from houle.check.wave_theory import assess, bound
+from houle.check.waves import absorbed
 from houle.data.history import Record
 from houle.errors import CaseError
 from houle.grid import axes
@@ -227,18 +228,15 @@ def _tuned(read: Reading, wave: Wave | None, period: float | None) -> float:
 def sponge_rows(case: Case) -> list[tuple[str, str]]:
     """Rows (name, words) about every sponge: place, length, strength, share of the waves that come back."""
     wave = case.wave
-    speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * CrossSection(case).depth())
-    return [(place(("sponge", i), case.__dict__), _sponge(case, s, wave, speed)) for i, s in enumerate(case.sponge)]
+    return [(place(("sponge", i), case.__dict__), _sponge(case, s, wave)) for i, s in enumerate(case.sponge)]
 
 
-def _sponge(case: Case, sponge: Sponge, wave: Wave | None, speed: float) -> str:
+def _sponge(case: Case, sponge: Sponge, wave: Wave | None) -> str:
     axis, far = sides(sponge.box, case.domain.size, min(case.domain.grid.spacing) / 2)[0]
-    long = sponge.box[1][axis] - sponge.box[0][axis]
-    strength = sponge.strength or damping(speed, long)
+    long, strength, back = absorbed(case, sponge, wave, axis)
     side = (("left", "right"), ("front", "back"))[axis][far]
     waves = f" ({long / wave.length:.2f} wavelengths)" if wave is not None else ""
-    back = left_over(strength, speed, long)
-    return f"{side} side, {long:.3g} m long{waves}, up to {strength:.3g} 1/s: {100 * back:.2g} % of the waves come back"
+    return f"{side} side, {long:.3g} m long{waves}, up to {strength:.3g} 1/s: {100 * back:.1f} % of the waves come back"
 
 
 def open_rows(case: Case) -> list[tuple[str, str]]:

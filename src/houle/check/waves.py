@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from math import asin, degrees, inf, radians, sin
+from math import asin, degrees, inf, pi, radians, sin, sqrt
 from typing import Literal
 
 import numpy as np
 import shapely
 
 from houle.boundary.internal_source import ACTS, LONGEST, SHORTEST, left_out, require_source
-from houle.boundary.sponge import sides
+from houle.boundary.sponge import damping, left_over, sent_back, sides
 from houle.case.acting import Reach, reach, source_of
 from houle.case.messages import place
 from houle.case.model import Case
@@ -29,7 +29,7 @@ from houle.data.history import shortcomings
 from houle.errors import CaseError, metres
 from houle.medium import shapes
 from houle.waves import record
-from houle.waves.dispersion import group_velocity
+from houle.waves.dispersion import group_velocity, wave_number
 from houle.waves.paddle import PaddleWave, RecordedMotion
 from houle.waves.wave import Wave
 
@@ -37,7 +37,7 @@ LONG, LONG_OF_A_SOLITARY = 1.25, 0.9  # wavelengths: a zone or a sponge shorter 
 SHORT = 0.5  # wavelengths: a zone shorter than this is an error for periodic waves
 SAME = 1e-3  # depths that differ by no more are the same: [m], or as a share of the depth if that is more
 TOLD = 0.35  # share of the rms of a record that a source may leave out without a warning (`left_out`)
-OVER = 10.0  # cells in the least depth over a bar: five lose a third of the third harmonic, ten a tenth
+OVER = 10.0  # cells in the least depth over a bar: with five the third harmonic behind it is a third too low
 GROUP = 0.95  # share of the crest of a focused group that the waves make which arrive in time
 RECORDED = ("series", "paddle", "ship")  # waves with no one length
 COARSE = 0.02  # share of the stroke by which lines between samples of a paddle may miss the curve: 11 a period
@@ -350,18 +350,28 @@ def _layers(s: CrossSection, span: Reach) -> list[shapes.Span]:
 
 
 def _crests(s: CrossSection, wave: Wave) -> Iterator[Finding]:
-    """There are enough cells in the water over submerged crests: short harmonics arise there."""
+    """There are enough cells in the water over submerged crests, where short harmonics arise; their length is told."""
     level, h = s.depth(), s.grid.spacing[-1]
     for body in (*s.solid, *s.porous):
         left = level - float(body.shape.bounds[1][-1])
         if left <= 0.0 or left >= wave.depth * (1 - SAME):
             continue
         if (cells := left / h) < OVER * (1 - 1e-9):
+            third = ""
+            if _periodic(s.case) and wave.name not in RECORDED:
+                short = _third(wave, left, s.case.fluid.gravity)
+                third = f", and third harmonics {short:.2g} m long, {short / max(s.grid.spacing):.0f} cells"
             text = (
-                f"leaves {left:.3g} m of water over its crest, {cells:.1f} cells: with 5 the third harmonic behind a "
-                f"bar was a third too low, {OVER:g} leave a tenth of it; domain.spacing = {left / OVER:.2g}"
+                f"leaves {left:.3g} m of water over its crest, {cells:.1f} cells{third}: with 5 and 29 the third "
+                f"harmonic behind a bar was a third too low, {OVER:g} and 58 keep it; domain.spacing = "
+                f"{left / OVER:.2g}"
             )
             yield Finding("warning", body.key, text)
+
+
+def _third(wave: Wave, depth: float, gravity: float) -> float:
+    """Length of a free wave of three times the frequency, in water of another depth [m]."""
+    return 2 * pi / float(wave_number(6 * pi / wave.period, depth, gravity))
 
 
 def _lid(s: CrossSection, wave: Wave) -> Iterator[Finding]:
@@ -480,10 +490,26 @@ def _filled(s: CrossSection, i: int, sponge: Sponge) -> Iterator[Finding]:
 def _long(s: CrossSection, i: int, sponge: Sponge, wave: Wave | None) -> Iterator[Finding]:
     """The sponge is long enough beside the wave: a short one reflects it."""
     axis, _ = sides(sponge.box, s.case.domain.size, min(s.grid.spacing) / 2)[0]
-    long = sponge.box[1][axis] - sponge.box[0][axis]
-    if wave is not None and long < _long_enough(s.case) * wave.length and wave.name not in RECORDED:
+    if wave is None or wave.name in RECORDED:
+        return
+    long, _, back = absorbed(s.case, sponge, wave, axis)
+    if long < _long_enough(s.case) * wave.length:
+        share = f", some {100 * back:.0f} %" if _periodic(s.case) else ""
         text = (
             f"is {long:.3g} m long, {long / wave.length:.2f} of the wavelength {wave.length:.3g} m: a short sponge "
-            f"sends waves back; {1.5 * wave.length:.3g} m are good"
+            f"sends waves back{share}; {1.5 * wave.length:.3g} m are good"
         )
         yield Finding("warning", f"{_key(s.case, i)}.box", text)
+
+
+def absorbed(case: Case, sponge: Sponge, wave: Wave | None, axis: int) -> tuple[float, float, float]:
+    """Length of a sponge along its axis [m], its largest rate [1/s], and the share of the amplitude that it sends back.
+
+    Without a wave, or for a solitary one, the share is what is left of a long wave after the way in and out.
+    """
+    long = sponge.box[1][axis] - sponge.box[0][axis]
+    speed = wave.group_velocity if wave is not None else sqrt(case.fluid.gravity * CrossSection(case).depth())
+    strength = sponge.strength or damping(speed, long)
+    if wave is None or not _periodic(case):
+        return long, strength, left_over(strength, speed, long)
+    return long, strength, sent_back(strength, long, 2 * pi / wave.length, speed)
