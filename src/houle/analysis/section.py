@@ -10,8 +10,10 @@ the solver (`houle.medium`). The incident wave comes in, and the reflected one g
 transmitted one leaves through the last column, or that is a wall. The waves that die away from the structure
 (evanescent modes) are left out there: two depths away they have fallen to exp(-2 pi).
 
-B replaces b |q| and does its work (Lorentz), in every place: B = b <|q|^3> / <|q|^2>, means over the period, or over the
-Gaussian distribution of the velocity in a sea.
+B replaces b |q| and does its work (Lorentz), in every place: B = b <|q|^3> / <|q|^2>, means over the period, or over
+the Gaussian distribution of the velocity in a sea. If l1 and l2 are the variances of q along its principal axes and c
+and s cosine and sine of an angle, the ratio is m <(l1 c^2 + l2 s^2)^(3/2)> / (l1 + l2), a mean over the angle; m is
+2^(3/2) on an ellipse and 3 (pi / 2)^(1/2), the third moment of Rayleigh's distribution, in a sea.
 
 References: Sollitt & Cross (1972) Proc. 13th ICCE, 1827-1846; Sulisz (1985) Coast. Eng. 9, 371-386, for the rubble
 mound by boundary elements; Madsen (1974) J. Waterways Harbors Coast. Eng. 100, 319-328, for B.
@@ -23,21 +25,22 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from houle.analysis.errors import AnalysisError
 from houle.analysis.theory import Scatter
 from houle.waves.dispersion import GRAVITY, wave_number
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from houle.medium.medium import Medium
 
 Complex = NDArray[Any]
 Real = NDArray[np.float64]
 
-PHASES = 24  # instants of the period at which |q| is taken
+ANGLES = np.pi * (np.arange(12) + 0.5) / 12.0  # over which |q|^3 is taken
+ELLIPSE, GAUSS = 2.0**1.5, 3.0 * np.sqrt(0.5 * np.pi)  # means of the third power
 SETTLED = 1e-4  # change of C_R and C_T from one B to the next at which the linear drag counts as found
 ROUNDS = 60
 
@@ -90,26 +93,49 @@ class Section:
         return float(self.open[0][1].sum()) * self.spacing[1]
 
 
-def scatter(section: Section, omega: float, height: float, *, wall: bool) -> Scatter:
-    """Reflected and transmitted waves of a section, for regular waves of a height [m] and omega [rad/s].
+def scatter(section: Section, omega: ArrayLike, height: ArrayLike, *, wall: bool) -> Scatter:
+    """Reflected and transmitted waves of a section, for regular waves or a sea.
 
-    wall: the last column ends at a wall; else the waves go on behind it, in the depth that is there. The amplitudes are
-    those in the first and in the last column. Raises AnalysisError where these are not open water, or the linear drag
-    does not settle.
+    omega, height  of regular waves [rad/s], [m]; several (N,) of a sea: those of its components, or of bands of its
+                   spectrum. Then the coefficients are roots of shares of the energy of all.
+    wall           the last column ends at a wall; else the waves go on behind it, in the depth that is there
+
+    The waves are those in the first and in the last column. Raises AnalysisError where these are not open water, or the
+    linear drag does not settle.
     """
-    problem = _Problem(section, omega, wall)
-    amplitude = 0.5 * height * section.gravity
+    omegas, heights = np.atleast_1d(omega).astype(float), np.atleast_1d(height).astype(float)
+    problems = [_Problem(section, one, wall) for one in omegas]
+    mean, amplitudes = ELLIPSE if len(omegas) == 1 else GAUSS, 0.5 * section.gravity * heights
     linear: list[Real] = [np.zeros_like(b) for b in section.b]
     last = np.array([np.inf, np.inf])
     for count in range(ROUNDS):
-        potential = problem.solve(linear)
-        found = problem.amplitudes(potential)
-        if np.max(abs(abs(found) - last)) < SETTLED:
-            return Scatter(complex(found[0]), complex(found[1]), float("nan"))
-        asked = problem.drag(amplitude * potential, linear)
+        potentials = [problem.solve(linear) for problem in problems]
+        found = np.array([problem.amplitudes(p) for problem, p in zip(problems, potentials, strict=True)])
+        share = np.sqrt(np.average(abs(found) ** 2, axis=0, weights=heights**2))
+        if np.max(abs(share - last)) < SETTLED:
+            reflected, transmitted = (complex(v) for v in (found[0] if len(found) == 1 else share))
+            return Scatter(reflected, transmitted, float("nan"))
+        waves = zip(problems, amplitudes, potentials, strict=True)
+        asked = _drag(section, [problem.velocity(one * p, linear) for problem, one, p in waves], mean)
         linear = asked if count == 0 else [0.5 * (old + new) for old, new in zip(linear, asked, strict=True)]
-        last = abs(found)
-    raise AnalysisError(f"the linear drag did not settle: C_R = {last[0]:.4f} and then {abs(found[0]):.4f}")
+        last = share
+    raise AnalysisError(f"the linear drag did not settle: C_R = {last[0]:.4f} and then {share[0]:.4f}")
+
+
+def _drag(section: Section, velocities: Sequence[Sequence[Complex]], mean: float) -> list[Real]:
+    """The linear drag B [1/s] on the faces of each axis that does the work of b |q| q.
+
+    velocities: along x and z in the cells, amplitudes (nx, nz) [m/s] of each wave; mean: `ELLIPSE` or `GAUSS`.
+    """
+    xx = sum(0.5 * abs(x) ** 2 for x, _ in velocities)
+    zz = sum(0.5 * abs(z) ** 2 for _, z in velocities)
+    xz = sum(0.5 * (x * np.conj(z)).real for x, z in velocities)
+    middle, half = 0.5 * (xx + zz), np.hypot(0.5 * (xx - zz), xz)
+    third = np.mean([(middle + half * np.cos(2.0 * angle)) ** 1.5 for angle in ANGLES], axis=0)
+    speed = mean * np.divide(third, 2.0 * middle, out=np.zeros_like(third), where=middle > 0.0)
+    along, up = (np.pad(speed, margin, "edge") for margin in ([(1, 1), (0, 0)], [(0, 0), (1, 1)]))
+    means = 0.5 * (along[:-1] + along[1:]), 0.5 * (up[:, :-1] + up[:, 1:])
+    return [b * one for b, one in zip(section.b, means, strict=True)]
 
 
 class _Problem:
@@ -172,18 +198,6 @@ class _Problem:
         x[0], x[-1] = x[1], x[-2]
         return [0.5 * (x[:-1] + x[1:]), 0.5 * (z[:, :-1] + z[:, 1:])]
 
-    def drag(self, potential: Complex, linear: list[Real]) -> list[Real]:
-        """The linear drag B [1/s] on the faces of each axis that does the work of b |q| q."""
-        second = third = 0.0
-        velocity = self.velocity(potential, linear)
-        for phase in np.exp(-2j * np.pi * np.arange(PHASES) / PHASES):
-            square = sum((q * phase).real ** 2 for q in velocity)
-            second, third = second + square, third + square**1.5
-        speed = np.divide(third, second, out=np.zeros_like(self.section.open[0][1:]), where=second > 0.0)
-        faces = [np.pad(speed, [(1, 1), (0, 0)], "edge"), np.pad(speed, [(0, 0), (1, 1)], "edge")]
-        means = [0.5 * (faces[0][:-1] + faces[0][1:]), 0.5 * (faces[1][:, :-1] + faces[1][:, 1:])]
-        return [b * mean for b, mean in zip(self.section.b, means, strict=True)]
-
 
 @dataclass(frozen=True)
 class _Mode:
@@ -223,5 +237,7 @@ def _connected(section: Section) -> NDArray[np.bool_]:
     x, z = along[1:-1] > 0.0, up[:, 1:-1] > 0.0
     low = np.concatenate([number[:-1][x], number[:, :-1][z]])
     high = np.concatenate([number[1:][x], number[:, 1:][z]])
-    _, group = connected_components(coo_matrix((np.ones(len(low)), (low, high)), shape=(nx * nz, nx * nz)), directed=False)
+    _, group = connected_components(
+        coo_matrix((np.ones(len(low)), (low, high)), shape=(nx * nz, nx * nz)), directed=False
+    )
     return np.asarray(group == group[nz - 1]).reshape(nx, nz)
