@@ -18,7 +18,7 @@ from houle.flow.component import Component, State
 from houle.flow.remeshers import Remesher, handed_on
 from houle.flow.state import SPRAY, Flow
 from houle.flow.transfer import Transfer
-from houle.grid import FloatArray, widened
+from houle.grid import FloatArray, spread, widened
 
 
 class RemeshingSchedule(Component):
@@ -108,10 +108,12 @@ def _energy(flow: Flow) -> FloatArray:
 
 
 def _take_made(flow: Flow, before: FloatArray) -> None:
-    """Takes off the kinetic energy that remeshing has made near interfaces where no pressure holds the water.
+    """Takes off the kinetic energy that remeshing has made near porous interfaces where no Bernoulli force acts.
 
     Energy at a given u_d is in proportion to C_r/n^2, so water that is given to a node of another porosity with its u_d
-    changes energy (docs/theory.md, section 6). Where the pressure holds the water it does the work for this.
+    changes energy (docs/theory.md, section 6). No cell may have more than before. But at oblique interfaces well under
+    water the pressure joins the cells: what some have more and others less is the scatter of the particles, so there
+    no more is taken off than all of them together have more, in proportion.
     before: of `_energy`, before the remeshing. The velocities in a cell that has more are scaled down.
     """
     held = np.ones(flow.grid.shape, bool)
@@ -119,6 +121,16 @@ def _take_made(flow: Flow, before: FloatArray) -> None:
         held &= np.minimum(np.delete(faces, 0, axis=axis), np.delete(faces, -1, axis=axis)) > 0
     after, p = _energy(flow), flow.particles
     made = (after > before) & ~held & flow.at_interface
-    if made.any():
-        share = np.sqrt(np.divide(before, after, out=np.ones_like(after), where=made))
-        _core.scale_by_cell(flow.grid.core, np.ascontiguousarray(share), p.position, p.velocity)
+    if not made.any():
+        return
+    air = (flow.active == 0) & (flow.medium.open_cells > 0.0)
+    joined = flow.at_oblique_interface & ~spread(air, flow.grid.periodic)
+    wanted = before + np.where(joined, _kept((after - before)[joined]), 0.0) * (after - before)
+    share = np.sqrt(np.divide(wanted, after, out=np.ones_like(after), where=made))
+    _core.scale_by_cell(flow.grid.core, np.ascontiguousarray(share), p.position, p.velocity)
+
+
+def _kept(change: FloatArray) -> float:
+    """Share of the gains in these changes that their losses pay for."""
+    gains, losses = change[change > 0.0].sum(), -change[change < 0.0].sum()
+    return float(min(1.0, losses / gains)) if gains > 0.0 else 0.0

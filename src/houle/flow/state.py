@@ -24,7 +24,7 @@ from houle.flow.workspace import Workspace
 from houle.grid import Core, Faces, FloatArray, Grid, Listed, spread, widened
 from houle.medium.columns import Capacity
 from houle.medium.interfaces import Interfaces
-from houle.medium.medium import Medium
+from houle.medium.medium import OBLIQUE, Medium
 from houle.medium.rough_walls import RoughWalls
 from houle.medium.shapes import Box
 
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 SPRAY = 1e-3  # a face that carries less than this of a cell's volume is empty
 HEAVY = 30.0  # pores with K / n^2 (`Medium`) above this are heavy: gravity hardly changes their velocity in a step
+MOST_CONTRAST = 30.0  # ratio of C_r/n^2 at an interface up to which the Bernoulli force acts on faces (section 6)
 AROUND = 4  # cells on each side of a gate that are flooded to measure what the tents beside it hold
 LARGE = 100_000  # a flow with more particles gives its work space back before it remeshes
 
@@ -245,6 +246,12 @@ class Flow(Tank):
     def at_interface(self) -> NDArray[np.bool_]:
         """`Medium.at_interface`, computed once: cells (grid.shape) near a change of K / n^2."""
         return self.medium.at_interface
+
+    @cached_property
+    def at_oblique_interface(self) -> NDArray[np.bool_]:
+        """Cells (grid.shape) at an oblique interface where K / n^2 differs by no more than `MOST_CONTRAST`."""
+        oblique = self.medium.contrast == OBLIQUE
+        return self.at_interface & oblique & ~self.medium.near_contrast(MOST_CONTRAST)
 
     @cached_property
     def around_interface(self) -> NDArray[np.uint8]:

@@ -7,10 +7,8 @@ from __future__ import annotations
 
 from houle import _core
 from houle.errors import SimulationError
-from houle.flow.state import Flow
+from houle.flow.state import MOST_CONTRAST, Flow
 from houle.grid import FloatArray
-
-MOST_CONTRAST = 30.0  # ratio of C_r/n^2 at an interface up to which the Bernoulli force acts on faces (section 6)
 
 
 def sort(flow: Flow, *more: FloatArray) -> tuple[FloatArray, ...]:

@@ -180,7 +180,11 @@ class Medium:
     @property
     def at_interface(self) -> NDArray[np.bool_]:
         """Cells (grid.shape) within two cells, along each axis, of another K / n^2."""
-        return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > 1.0
+        return self.near_contrast(1.0)
+
+    def near_contrast(self, ratio: float) -> NDArray[np.bool_]:
+        """Cells (grid.shape) within two cells of which, along each axis, K / n^2 differs by more than this ratio."""
+        return _contrast(self.energy, self.open_cells > 0.0, self.grid.periodic, 2) > ratio
 
     def on_faces(self, column: int) -> Faces:
         """Face fields of one column of `materials`: 0 inertia C_r / n, 1 and 2 the resistances a [1/s], b [1/m]."""

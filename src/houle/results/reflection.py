@@ -1,7 +1,7 @@
 """Reflection, transmission and dissipation of the structure of a run: [reflection], measured at its end.
 
-`houle.analysis.reflection` separates the waves at the gauges; beside it stands linear theory where there is one: a
-vertical porous block over the full depth on a flat bed, its drag made linear by equal work (Lorentz).
+`houle.analysis.reflection` separates the waves at the gauges; beside it stands linear theory, its drag made linear by
+equal work (Lorentz): in closed form for a vertical porous block over the full depth, else on a grid (linear_theory.py).
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from houle.analysis.theory import porous_block, porous_block_lorentz
 from houle.case.porous import coefficients
 from houle.case.shapes import shape_of
 from houle.medium.resistance import inertia_coefficient
+from houle.results import linear_theory
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -112,9 +113,9 @@ def limits(case: Case, wave: Wave) -> dict[str, Any]:
 
 
 def theory(case: Case, height: float) -> Scatter | None:
-    """Linear theory of the structure for incident waves of this height [m]; None if there is none (`no_theory`)."""
+    """Linear theory of a block for incident waves of this height [m]; None if the structure is none (`no_block`)."""
     asked = case.reflection
-    if asked is None or not asked.theory or no_theory(case) is not None:
+    if asked is None or not asked.theory or no_block(case) is not None:
         return None
     flume, body = ReflectionFlume.of(case), case.porous[0]
     low, high = shape_of(body, case.dimension).bounds
@@ -155,10 +156,10 @@ def as_made(case: Case, found: Reflection) -> float:
     return sea.H_I
 
 
-def no_theory(case: Case) -> str | None:
-    """Reason, in words, why linear theory does not hold for the structure; None if it does.
+def no_block(case: Case) -> str | None:
+    """Reason, in words, why the structure is no block with a theory in closed form; None if it is one.
 
-    It holds for regular waves and one porous rectangle, from the bottom through the surface, at the place named in
+    That holds for regular waves and one porous rectangle, from the bottom through the surface, at the place named in
     [reflection]. Nothing else may stand in the way, and behind it there is a wall, or an absorber of what it transmits.
     """
     assert case.reflection is not None and case.waves is not None
@@ -217,11 +218,21 @@ def record(run: Run) -> dict[str, Any]:
     entry = measured(found) | asked_for(run.case)
     if found.kind == "irregular":
         entry["H_made"] = as_made(run.case, found)
-    if found.method != "jh2020" and (known := theory(run.case, found.H_I)) is not None:
-        entry["theory"] = {n: getattr(known, n) for n in ("C_R", "C_T", "C_D", "friction")}
-    elif run.case.reflection.theory and found.method != "jh2020":
-        entry["no_theory"] = no_theory(run.case)
+    if run.case.reflection.theory and found.method != "jh2020":
+        entry |= beside(run.case, found.H_I)
     return {"reflection": entry}
+
+
+def beside(case: Case, height: float) -> dict[str, Any]:
+    """The entries that tell linear theory for incident waves of this height [m], or why there is none."""
+    if (known := theory(case, height)) is not None:
+        return {"theory": {name: getattr(known, name) for name in ("C_R", "C_T", "C_D", "friction")}}
+    flume = ReflectionFlume.of(case)
+    try:
+        solved = linear_theory.solve(case, height, flume.towards, flume.front, None if flume.absorbed else flume.wall)
+    except AnalysisError as error:
+        return {"no_theory": str(error)}
+    return {"theory": {name: getattr(solved, name) for name in ("C_R", "C_T", "C_D", "error")}}
 
 
 def look(run: Run) -> dict[str, Any]:

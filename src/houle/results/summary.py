@@ -135,10 +135,17 @@ def reflection(entry: dict[str, Any]) -> Rows:
     if _number(entry["residual"]):
         lines.append(("unexplained", f"{100 * entry['residual']:.2g} % of the amplitude at the gauges"))
     if known:
-        lines.append(("linear theory", f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"))
+        lines.append(("linear theory", _theory(known)))
     if entry.get("no_theory"):
         lines.append(("linear theory", f"none: {entry['no_theory']}"))
     return [*lines, *(("note", note) for note in entry["notes"])]
+
+
+def _theory(known: dict[str, Any]) -> str:
+    """Words for what linear theory was taken of."""
+    if "friction" in known:
+        return f"vertical porous block, Lorentz friction f = {known['friction']:.3g}"
+    return f"the section, with drag of equal work; no run-up, no breaking; C_R to {known['error']:.2g}"
 
 
 def _asked_for(entry: dict[str, Any]) -> str:

@@ -35,9 +35,7 @@ class Reflection(Table):
         default=None,
         description="from, to; when left out, from when the waves are steady until they come again from the maker [s]",
     )
-    theory: bool = Field(
-        default=True, description="whether linear theory is given too, if the structure is one upright block"
-    )
+    theory: bool = Field(default=True, description="whether linear theory of the section is given too")
     twin: bool = Field(
         default=True,
         description="whether the same flume is computed without the structure, for the quality of its waves",

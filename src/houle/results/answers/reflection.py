@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from math import isfinite, nan
+from math import isfinite, nan, sqrt
 from typing import Any
 
 from houle.errors import CaseError
@@ -14,6 +14,7 @@ from houle.results.answers.outline import OutlineError, emerged, outline_of
 from houle.results.answers.structure import Outline, Sea
 from houle.results.answers.table import CONFIDENCE, Answer, Beside
 
+LINEAR = "linear theory"
 WORDS = {"C_R": "reflected", "C_T": "transmitted", "C_D": "dissipated energy"}
 
 
@@ -40,17 +41,25 @@ def _rows(given: Given, entry: Mapping[str, Any]) -> Iterator[Answer]:
 
 
 def _beside(given: Given, row: Answer, entry: Mapping[str, Any]) -> Answer:
-    """The row of C_R with linear theory beside it where it holds, else with the formula of Zanuttigh & Van der Meer."""
-    theory = entry.get("theory")
+    """The row of C_R with linear theory beside it where there is one, and the formula of Zanuttigh & Van der Meer."""
+    theory, sea = entry.get("theory"), given.sea
+    linear: tuple[Beside, ...] = ()
     if theory:
-        return with_formulas(row, _plain(given.sea), lambda: [Beside("linear theory of a porous block", theory["C_R"])])
-    sea = given.sea
-    return with_formulas(row, sea, lambda: [formulas.reflection(sea, _front(given, sea))] if sea is not None else [])
+        spread = theory.get("error", nan)
+        linear = (Beside(LINEAR, theory["C_R"], max(theory["C_R"] - spread, 0.0), theory["C_R"] + spread),)
+    if sea is None:
+        return replace(row, formulas=linear)
+    found = with_formulas(row, _same_energy(sea), lambda: [formulas.reflection(_same_energy(sea), _front(given, sea))])
+    if sea.regular and found.formulas:
+        found = found.noted("the formula is that of a sea of the same energy, H_m0 = sqrt(2) H")
+    return replace(found, formulas=(*linear, *found.formulas))
 
 
-def _plain(sea: Sea | None) -> Sea | None:
-    """The sea without what keeps formulas for seas away: linear theory is for waves that are all alike."""
-    return None if sea is None else replace(sea, lack="")
+def _same_energy(sea: Sea) -> Sea:
+    """The sea of the energy of regular waves, for which there is a formula; another sea as it is."""
+    if not sea.regular:
+        return sea
+    return replace(sea, height=sqrt(2.0) * sea.height, regular=False, lack="")
 
 
 def _front(given: Given, sea: Sea) -> Outline:
