@@ -174,14 +174,15 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """Makes the pictures, the score, the analyses and run.json of a run that has been marched; returns it."""
     from houle.output import write_manifest
-    from houle.results import bank, impacts, laboratory, reflection, summary, wave_energy, wave_quality
+    from houle.results import armour, bank, impacts, laboratory, reflection, summary, wave_energy, wave_quality
 
     run = Run(session.directory)
     with session.clock.stage("pictures"):
         draw(run, session)
     more = laboratory.record(run)
     if at_end:
-        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run) | bank.record(run)
+        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
+        more |= bank.record(run) | armour.record(run)
         with session.clock.stage("answers"):
             more |= _answers(run, session, more)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from houle.output import series_table
 from houle.output.csv_file import write_csv
-from houle.results.answers import bank, enough, overtopping, pressures, reflection, runup, walls
+from houle.results.answers import armour, bank, enough, overtopping, pressures, reflection, runup, walls
 from houle.results.answers.given import Given, Question, attempted
 from houle.results.answers.sea import measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry
@@ -36,13 +36,19 @@ def draw(run: Run, rows: list[Answer]) -> None:
 
 
 def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
-    """The rows of a run; summary: its other entries, of which those of [reflection] and [[bank]] are read.
+    """The rows of a run; summary: its other entries, of which those of [reflection], [[bank]] and [[armour]] are read.
 
     A question without an answer is a row that says why.
     """
     case = run.case
     if not (
-        case.overtopping or case.runup or case.force or case.bank or case.reflection or (case.sensor and case.waves)
+        case.overtopping
+        or case.runup
+        or case.force
+        or case.bank
+        or case.armour
+        or case.reflection
+        or (case.sensor and case.waves)
     ):
         return []
     series = series_table(run.directory)
@@ -52,6 +58,7 @@ def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
     sea = sea_of(case)
     given = Given(case, series, None if sea is None else measured(sea, case, series, found))
     asked = [*_questions(given, found), *bank.questions(summary.get("bank") or [])]
+    asked += armour.questions(given, summary.get("armour") or [])
     return [row for question in asked for row in attempted(question)]
 
 
