@@ -120,18 +120,28 @@ class Stones:
         return np.moveaxis(np.asarray(variable.values), variable.dims.index(TIME), 1)[self.mine][:, self.late]
 
     @cached_property
+    def velocity(self) -> FloatArray:
+        """Darcy velocity in the stones (N, T, d) [m/s]."""
+        return self._values("armour_velocity")
+
+    @cached_property
     def force(self) -> FloatArray:
-        """Force out of the slope over the submerged weight [-], mean over two rows as its change of velocity is."""
-        normals = self.face.normals[:, None]
+        """Force out of the slope over the submerged weight [-], mean over two rows as its change of velocity is.
+
+        It is 0 where the stone is dry at one of the three ends: a stone that gets wet has no change of velocity.
+        """
         gravity, n = self.given.case.fluid.gravity, self.body.porosity
         gradient = _over_two(self._values("armour_gradient"))
-        change = np.gradient((self._values("armour_velocity") * normals).sum(axis=2), self.time, axis=1)
-        return np.asarray((gradient - change / gravity) / (self.buoyant * (1.0 - n)))
+        change = np.gradient((self.velocity * self.face.normals[:, None]).sum(axis=2), self.time, axis=1)
+        wet = self.velocity.any(axis=2)
+        wet[:, 1:-1] &= wet[:, :-2] & wet[:, 2:]
+        return np.where(wet, (gradient - change / gravity) / (self.buoyant * (1.0 - n)), 0.0)
 
     @cached_property
     def down(self) -> FloatArray:
-        """Gradient of the head down the slope [-]."""
-        return self._values("armour_gradient_down")
+        """Gradient of the head down the slope while the water in the stones runs down it [-], 0 while it runs up."""
+        falls = (self.velocity * self.face.down[:, None]).sum(axis=2) > 0.0
+        return np.where(falls, self._values("armour_gradient_down"), 0.0)
 
     @cached_property
     def speed(self) -> FloatArray:
@@ -141,7 +151,7 @@ class Stones:
     @cached_property
     def pores(self) -> FloatArray:
         """Speed of the water in the pores of the outer stones [m/s]."""
-        return np.asarray(np.linalg.norm(self._values("armour_velocity"), axis=2) / self.body.porosity)
+        return np.asarray(np.linalg.norm(self.velocity, axis=2) / self.body.porosity)
 
     @property
     def loads(self) -> dict[str, FloatArray]:
