@@ -15,12 +15,13 @@ from houle.case.tables.waves import PASSING
 from houle.check.rules import check, require
 from houle.errors import CaseError
 from houle.output.netcdf import Table, Variable, times
-from houle.results.answers import bank, overtopping, pressures, runup, walls
+from houle.results.answers import bank, mound, overtopping, pressures, runup, walls
 from houle.results.answers.given import Given, attempted
 from houle.results.answers.outline import OutlineError, outline_of
 from houle.results.answers.picture import write
 from houle.results.answers.sea import NO_SEA, measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry, lines, not_answered
+from houle.waves.dispersion import wave_number
 
 PERIOD, HEIGHT, DEPTH = 1.6, 0.10, 0.40
 FLUME: dict[str, Any] = {
@@ -458,3 +459,45 @@ def test_a_short_run_leaves_its_answers(tmp_path):
     late = run.series.time.values >= sea_of(run.case).start(3.15)
     assert mean["value"] == pytest.approx((volume[-1] - volume[late][0]) / np.ptp(run.series.time.values[late]))
     assert (run.directory / "answers.png").exists()
+
+
+def test_sensors_at_one_level_in_a_core_tell_the_decay_beside_the_formula():
+    """A third one in the row above, one in the water, and one alone in its row are not taken."""
+    places = {"P1": [6.6, 0.2], "P2": [6.9, 0.205], "P3": [7.1, 0.2], "alone": [6.8, 0.3], "water": [5.0, 0.2]}
+    sensors = [{"name": name, "at": at} for name, at in places.items()]
+    case, rate = case_with(porous=[MOUND], sensor=sensors), 1.5
+    record = np.stack([
+        1000.0 + 200.0 * np.exp(-rate * (x - 6.3)) * np.sin(2 * np.pi * TIME / 1.6) for x, _ in places.values()
+    ])  # fmt: skip
+    series = Table({"pressure": Variable(("sensor", "time"), record, {})}, {"time": times(TIME)}, {})
+    sea = sea_of(case)
+    decay, gradient = rows_of(mound.questions(Given(case, series, sea))).values()
+    length = 2 * np.pi / wave_number(2 * np.pi / PERIOD, DEPTH)
+    assert decay.value == pytest.approx(rate * length / np.sqrt(1.4) / (2 * np.pi), rel=1e-3)
+    assert decay.low == pytest.approx(decay.high, rel=0.02) and "P1, P2, P3" in decay.method
+    width = 1.7 - 0.2 * (1.5 + 1.5)  # of the mound at 0.2 m
+    expected = 0.0141 * np.sqrt(0.4) * length**2 / (HEIGHT * width)
+    assert decay.formulas[0].value == pytest.approx(expected, rel=0.005)
+    fall = np.exp(-rate * 0.3) - np.exp(-rate * 0.8)
+    assert gradient.value == pytest.approx(200.0 * fall / (9810.0 * 0.5), rel=0.01)
+    record[1, 9000] = 0.0
+    (row,) = rows_of(mound.questions(Given(case, series, sea))).values()
+    assert "sensor P2 falls dry" in row.note
+
+
+def test_the_set_up_of_a_phreatic_line_is_that_of_its_highest_place():
+    case = case_with(porous=[MOUND], phreatic=[{"name": "line", "body": "mound", "x": [6.7, 6.8, 6.9]}])
+    swing = 0.01 * np.sin(2 * np.pi * TIME / 1.6)
+    levels = DEPTH + np.stack([0.02 + swing, 0.03 + swing, np.where(TIME > 100.0, np.nan, 0.05)])
+    series = Table(
+        {
+            "phreatic": Variable(("phreatic",), np.array(["line"] * 3), {}),
+            "phreatic_x": Variable(("phreatic",), np.array([6.7, 6.8, 6.9]), {}),
+            "phreatic_level": Variable(("phreatic", "time"), levels, {}),
+        },
+        {"time": times(TIME)},
+        {},
+    )
+    (row,) = rows_of(mound.questions(Given(case, series, sea_of(case)))).values()
+    assert row.value == pytest.approx(0.03, abs=2e-4) and row.low <= row.value <= row.high
+    assert "x = 6.8 m, the highest of 2 places" in row.note

@@ -133,7 +133,7 @@ class Stones:
         gravity, n = self.given.case.fluid.gravity, self.body.porosity
         gradient = _over_two(self._values("armour_gradient"))
         change = np.gradient((self.velocity * self.face.normals[:, None]).sum(axis=2), self.time, axis=1)
-        wet = self.velocity.any(axis=2)
+        wet = (self.velocity != 0.0).any(axis=2)
         wet[:, 1:-1] &= wet[:, :-2] & wet[:, 2:]
         return np.where(wet, (gradient - change / gravity) / (self.buoyant * (1.0 - n)), 0.0)
 

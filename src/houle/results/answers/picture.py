@@ -21,6 +21,7 @@ GROUPS = {
     "discharge": "Mean overtopping discharge", "share": "Share of the waves that overtop",
     "volume": "Volumes of overtopping waves", "run-up": "Run-up above still water",
     "force": "Force of the waves", "moment": "Overturning moment", "coefficient": "Reflection",
+    "decay": "Decay of the pressure inside, delta",
     "armour force": "Armour: force out over weight, an indicator",
     "armour gradient": "Armour: run-down gradient, an indicator", "damage": "Armour: damage level S, by formula alone",
 }  # fmt: skip  # panels in their order

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from houle.output import series_table
 from houle.output.csv_file import write_csv
-from houle.results.answers import armour, bank, enough, overtopping, pressures, reflection, runup, walls
+from houle.results.answers import armour, bank, enough, mound, overtopping, pressures, reflection, runup, walls
 from houle.results.answers.given import Given, Question, attempted
 from houle.results.answers.sea import measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry
@@ -48,7 +48,7 @@ def answers(run: Run, summary: Mapping[str, Any]) -> list[Answer]:
         or case.bank
         or case.armour
         or case.reflection
-        or (case.sensor and case.waves)
+        or (case.waves and (case.sensor or case.phreatic))
     ):
         return []
     series = series_table(run.directory)
@@ -85,3 +85,4 @@ def _questions(given: Given, found: Mapping[str, Any]) -> Iterator[Question]:
     yield from walls.questions(given)
     yield from reflection.questions(given, found)
     yield from pressures.questions(given)
+    yield from mound.questions(given)
