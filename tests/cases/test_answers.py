@@ -348,7 +348,7 @@ def test_a_bank_whose_plane_stayed_dry_has_no_exit_gradient():
             "bank": "b", "safety": safe, "still": 1.5, "unstable": 0.0, "gradient": {**worst, "value": value},
             "critical": 0.9, "lifting": 0.0, "excess": safe, "shields": None,
         }  # fmt: skip
-        found = rows_of(bank.questions([entry]))
+        found = rows_of(bank.questions(Given(case_with(), Table({}, {}, {}), None), [[entry]]))
         assert found["bank b, exit gradient"].note.startswith("not answered: the face is level, or the plane")
         assert found["bank b, factor of safety"].value == 1.5
 

@@ -166,7 +166,7 @@ def test_damage_stands_beside_by_formula_alone(changes, P):
     points = Stones(given, case.armour[0]).face.points
     crest = float(points[np.argmax(points[:, 1]), 0])
     entry = {"armour": "front", "size": 0.084, "buoyant": 1.65, "place": float(points[0, 0]), "crest": crest}
-    (_, ask) = list(armour.questions(given, [entry]))[-1]
+    (_, ask) = list(armour.questions(given, [[entry]]))[-1]
     (row,) = ask()
     cot = outline_of(case, sea, crest).cot_slope
     assert cot == pytest.approx(1.5, rel=0.02)

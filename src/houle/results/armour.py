@@ -171,7 +171,6 @@ class Stones:
             "porosity": self.body.porosity,
             "place": self.place,
             "crest": float(tops[np.argmin(np.abs(tops - self.place))]),
-            "when": self.given.when(self.place),
             **{name: asdict(self.largest(load)) for name, load in self.loads.items()},
         }
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from houle.design.armour import armour_damage_van_der_meer, armour_damage_van_gent
 from houle.errors import CaseError
 from houle.results.answers.formulas import beside
-from houle.results.answers.given import Given, Question, with_formulas
+from houle.results.answers.given import Given, Question, with_formulas, worst
 from houle.results.answers.outline import OutlineError, outline_of
 from houle.results.answers.table import Answer, Beside, not_answered
 
@@ -29,12 +29,13 @@ ON_SOLID, ON_POROUS, ALONE = 0.1, 0.5, 0.6  # notional permeability P
 Entry = Mapping[str, Any]
 
 
-def questions(given: Given, entries: Sequence[Entry]) -> Iterator[Question]:
-    """Two questions for each armour, from its entry of run.json: the loads on its stones, and its damage by formula."""
-    for entry in entries:
-        yield f"armour {entry['armour']}", partial(_loads, given, entry)
-        if given.sea is not None and "problem" not in entry:
-            yield f"armour {entry['armour']}, damage level S", partial(_damage, given, entry)
+def questions(given: Given, runs: Sequence[Sequence[Entry]]) -> Iterator[Question]:
+    """Two questions for each armour, from its entry in run.json of each run: loads on its stones, damage by formula."""
+    for entries in zip(*runs, strict=True):
+        name = f"armour {entries[0]['armour']}"
+        yield name, partial(worst, given, [partial(_loads, given, entry) for entry in entries])
+        if given.sea is not None and "problem" not in entries[0]:
+            yield f"{name}, damage level S", partial(_damage, given, entries[0])
 
 
 def _loads(given: Given, entry: Entry) -> Iterator[Answer]:
@@ -58,7 +59,7 @@ def _row(given: Given, entry: Entry, what: str, largest: Entry, unit: str, group
     place = f"at x = {x:.4g} m, {height}, {largest['time']:.4g} s, above half of it for {largest['lasts']:.2g} s"
     tenth = largest["tenth"]
     highest = "" if tenth is None else f"mean of the highest tenth of the waves there {tenth:.3g}"
-    method = f"largest of {entry['stones']} stones, {entry['when']}"
+    method = f"largest of {entry['stones']} stones, {given.when(entry['place'])}"
     name = f"armour {entry['armour']}, {what}"
     return Answer(name, largest["value"], unit, method=method, formulas=limit, group=group).noted(place, highest)
 

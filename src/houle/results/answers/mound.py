@@ -90,12 +90,11 @@ def _decay(given: Given, row: Row) -> Iterator[Answer]:
     """The decay along a row of sensors, and the largest gradient between its ends. Raises AnalysisError, CaseError."""
     sea, case = given.sea, given.case
     assert sea is not None
-    late, waves = given.late(row.x), int(given.waves(row.x))
-    pressure = np.stack([given.record("pressure", n)[late] for n in row.numbers])
+    waves, pressure, time = int(given.waves(row.x)), _pressures(given, row), _times(given, row.x)
     if (pressure == 0.0).any():
         dry = row.names[int((pressure == 0.0).any(axis=1).argmax())]
         raise CaseError(f"sensor {dry} falls dry")
-    found = pressure_decay(given.time[late], pressure, row.way, waves=waves, window=WINDOW * sea.mean)
+    found = pressure_decay(time, pressure, row.way, waves=waves, window=WINDOW * sea.mean)
     length = _length(given) / sqrt(SLOWER)
     to_delta = length / (2 * pi)
     name = f"mound {row.body.name}, decay of the pressure at z = {row.z:.3g} m"
@@ -113,8 +112,22 @@ def _decay(given: Given, row: Row) -> Iterator[Answer]:
     yield Answer(
         f"mound {row.body.name}, largest seaward gradient at z = {row.z:.3g} m", float(seaward[most]), "-",
         method=f"between {row.names[0]} and {row.names[-1]}, {given.when(row.x)}",
-        note=f"at {given.time[late][most]:.4g} s",
+        note=f"at {given.moment(time[most])}",
     )  # fmt: skip
+
+
+def _pressures(given: Given, row: Row) -> FloatArray:
+    """Pressures (N, T) [Pa] of the sensors, of all runs one after the other. Raises AnalysisError."""
+    records = [
+        [one.record("pressure", n)[late] for n in row.numbers] for one in given.each for late in (one.late(row.x),)
+    ]
+    return np.concatenate([np.stack(record) for record in records], axis=1)
+
+
+def _times(given: Given, x: float) -> FloatArray:
+    """Times [s] of the rows of all runs that are looked at at x [m], one run after the other."""
+    times = [one.time[one.late(x)] + shift for one, shift in zip(given.each, given.offsets, strict=True)]
+    return np.concatenate(times)
 
 
 def _told(sea: Sea) -> Sea:
@@ -146,8 +159,8 @@ def _set_up(given: Given, table: observed.Phreatic) -> Iterator[Answer]:
     mine = np.flatnonzero(np.asarray(given.series["phreatic"].values) == table.name)
     places = np.asarray(given.series["phreatic_x"].values)[mine]
     x = float(places[np.argmin(np.abs(places - sea.maker))])
-    late, waves = given.late(x), int(given.waves(x))
-    level = np.stack([given.record("phreatic_level", int(n))[late] for n in mine]) - sea.level
+    levels = [np.stack([one.record("phreatic_level", int(n))[one.late(x)] for n in mine]) for one in given.each]
+    waves, level = int(given.waves(x)), np.concatenate(levels, axis=1) - sea.level
     wet = np.isfinite(level).all(axis=1)
     if not wet.any():
         raise CaseError("every place of the line falls dry")
