@@ -74,9 +74,10 @@ class Crest:
 
     def _waves(self, given: Given) -> tuple[Volumes, FloatArray, FloatArray]:
         """The overtopping waves of a run; volume, and number, in the slot of each wave. Raises AnalysisError."""
+        assert given.sea is not None
         late = given.late(self.x)
         time, volume = given.time[late], self._record(given)[late]
-        found = wave_volumes(time, volume, period=self.sea.mean, least=LEAST * self.cell)
+        found = wave_volumes(time, volume, period=given.sea.mean, least=LEAST * self.cell)
         waves = max(round(given.waves(self.x)), len(found.volumes))
         span = (float(time[0]), float(time[-1]), waves)
         return (

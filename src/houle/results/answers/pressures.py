@@ -30,7 +30,7 @@ def _rows(given: Given, row: int, table: Sensor) -> Iterator[Answer]:
     sea, x = given.sea, table.at[0]
     assert sea is not None
     name = f"pressure {table.name}"
-    found = Events.together([_events(one, row, x, WINDOW * sea.mean) for one in given.each], given.offsets)
+    found = Events.together([_events(one, row, x) for one in given.each], given.offsets)
     if not len(found):
         raise CaseError("the pressure stands still")
     top, method = found.largest, f"above the pressure at rest, {given.when(x)}"
@@ -43,7 +43,8 @@ def _rows(given: Given, row: int, table: Sensor) -> Iterator[Answer]:
         yield Answer(f"{name}, p_1/10", tenth, "Pa", method=f"mean of the highest tenth, {method}", group="pressure")
 
 
-def _events(given: Given, row: int, x: float, window: float) -> Events:
+def _events(given: Given, row: int, x: float) -> Events:
     """The events of one run at a sensor. Raises AnalysisError."""
-    late = given.late(x)
+    assert given.sea is not None
+    late, window = given.late(x), WINDOW * given.sea.mean
     return load_events(given.time[late], given.record("pressure", row)[late], window=window, waves=given.waves(x))

@@ -43,7 +43,7 @@ def _rows(given: Given, row: int, table: observed.RunUp) -> Iterator[Answer]:
         yield Answer(f"{name}, highest level", highest, "m", method="above z = 0, in the whole run", group="run-up")
         return
     x = table.x[1]
-    found = _together([_waves(one, row, x, sea) for one in given.each], given.offsets)
+    found = _together([_waves(one, row, x) for one in given.each], given.offsets)
     waves = found.waves
     method = f"above still water, {given.when(x)}"
     over = _over(given, sea, x, found.R_max)
@@ -58,8 +58,10 @@ def _rows(given: Given, row: int, table: observed.RunUp) -> Iterator[Answer]:
     yield _single(given, sea, x, largest)
 
 
-def _waves(given: Given, row: int, x: float, sea: Sea) -> RunUp:
+def _waves(given: Given, row: int, x: float) -> RunUp:
     """The run-ups of one run. Raises AnalysisError."""
+    sea = given.sea
+    assert sea is not None
     late, record = given.late(x), given.record("runup_level", row)
     least = LEAST * sea.height if sea.height > 0 else 0.0
     return _highest(run_up(given.time[late], record[late] - sea.level, threshold=least), round(given.waves(x)))

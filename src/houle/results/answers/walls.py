@@ -120,10 +120,10 @@ class _Front:
 
 def _events(given: Given, walls: Sequence[Wall], load: Callable[[Wall], FloatArray]) -> Events:
     """Events of a load (T,) of a wall, as it stood in each run."""
-    assert given.sea is not None
-    window, found = WINDOW * given.sea.mean, []
+    found = []
     for one, wall in zip(given.each, walls, strict=True):
-        late, waves = one.late(wall.front), one.waves(wall.front)
+        assert one.sea is not None
+        late, waves, window = one.late(wall.front), one.waves(wall.front), WINDOW * one.sea.mean
         found.append(load_events(one.time[late], load(wall)[late], window=window, waves=waves))
     return Events.together(found, given.offsets)
 
