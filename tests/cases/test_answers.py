@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ ROCK = {"porosity": 0.4, "grain_diameter": 0.03, "resistance": {"law": "van-gent
 FOUNDATION = {"name": "berm", "polygon": [[5.6, 0.0], [5.8, 0.1], [6.7, 0.1], [6.9, 0.0]], **ROCK}
 MOUND = {"name": "mound", "polygon": [[6.0, 0.0], [6.75, 0.5], [6.95, 0.5], [7.7, 0.0]], **ROCK}
 CREST = [{"name": "crest", "x": 7.66}]
+BANK = {"name": "b", "body": "mound", "x": [6.2, 6.6], "depth": 0.06, "friction_angle": 40.0}
 FORCE = {"name": "caisson", "body": "caisson", "about": [6.25, 0.1]}
 TIME = np.arange(0.0, 200.0, 0.01)
 
@@ -338,6 +340,55 @@ def test_waves_of_less_than_a_cell_came_over_all_the_same():
     found = rows_of(overtopping.questions(given_with(case, overtopping_volume=1e-5 * TIME)))
     q = found["overtopping crest, mean discharge"]
     assert q.value == pytest.approx(1e-5) and "less than a cell" in q.note and "came over" not in q.note
+    assert not found["overtopping crest, share of the waves"].answered
+
+
+def test_volumes_that_are_alike_have_no_shape():
+    case, record = case_with(solid=[DIKE], overtopping=CREST), np.zeros_like(TIME)
+    for start in np.arange(10.0, 190.0, 5.0):
+        record += 0.004 * (1 - np.cos(np.pi * np.clip((TIME - start) / 0.4, 0.0, 1.0))) / 2
+    found = rows_of(overtopping.questions(given_with(case, overtopping_volume=record)))
+    assert found["overtopping crest, V_max"].value == pytest.approx(0.004, rel=1e-3)
+    assert "too much alike" in found["overtopping crest, Weibull b"].note
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"waves": None, "solid": [CAISSON], "force": [{**FORCE, "weight": 900.0}]}, "caisson.weight = 900 N/m is"),
+        ({"solid": [DIKE], "overtopping": [{"name": "c", "x": 2.0}]}, r"c.x = 2 lies in waves.zone, 0 to 3.5"),
+        ({"solid": [DIKE], "overtopping": [{"name": "c", "x": 5.0}]}, r"c.x = 5: 0.4 m of still water stands"),
+        (
+            {"solid": [DIKE], "overtopping": CREST, "time": {"end": 40.0, "until": {"waves": 100}}},
+            r"time.until.waves = 100: until time.end = 40 s some \d+ waves come: time.end = 1\d\d",
+        ),
+        (
+            {"waves": None, "porous": [MOUND], "bank": [{**BANK, "x": [7.1, 7.6]}],
+             "water": [{"box": [[0.0, 0.0], [5.0, 0.4]]}]},
+            r"bank.b.x = \[7.1, 7.6\]: no water stands there at the start",
+        ),
+        (
+            {"porous": [MOUND], "bank": [{**BANK, "friction_angle": 30.0}]},
+            r"bank.b.friction_angle = 30 degrees is less than the 33.7 of the face",
+        ),
+    ],
+)  # fmt: skip
+def test_check_says_what_is_not_answered(tables, said):
+    """One warning each, and none of the kind for a section as it should be."""
+    tables = {**FLUME, **tables}
+    found = [
+        f for f in check(houle.load({k: v for k, v in tables.items() if v is not None})) if re.search(said, str(f))
+    ]
+    assert [f.level for f in found] == ["warning"]
+
+
+def test_a_section_as_it_should_be_is_not_warned_of():
+    case = case_with(
+        porous=[MOUND], overtopping=[{"name": "c", "x": 6.85}], bank=[BANK],
+        time={"end": 400.0, "until": {"waves": 100}},
+    )  # fmt: skip
+    said = "not used|lies in waves.zone|to and fro|waves come|no water stands|is less than the"
+    assert not [str(f) for f in check(case) if re.search(said, str(f))]
 
 
 def test_a_bank_whose_plane_stayed_dry_has_no_exit_gradient():

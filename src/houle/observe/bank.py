@@ -66,6 +66,12 @@ class Bank(Instrument):
         if face.slope.max() > STEEPEST:
             steep = np.degrees(face.slope.max())
             yield Remark("error", "x", f"= {list(self.x)} holds a face of {steep:.3g} degrees: 80 at most")
+        elif (steep := float(np.degrees(face.slope.max()))) > self.friction_angle:
+            text = (
+                f"= {self.friction_angle:g} degrees is less than the {steep:.3g} of the face: "
+                "in still water the factor of safety is below 1 and it slides"
+            )
+            yield Remark("warning", "friction_angle", text)
         yield from self._placed(site, face)
         if self.depth < FEWEST * h * (1 - 1e-9):
             text = (

@@ -129,7 +129,7 @@ def attempted(question: Question) -> Iterator[Answer]:
 
 
 def worst(given: Given, runs: Sequence[Callable[[], Iterable[Answer]]], lowest: bool = False) -> Iterator[Answer]:
-    """Of the rows of each run those with the largest, or lowest, value; of several runs with the seed in their note.
+    """Rows with the largest, or lowest, value among those of each run; of several runs with the seed in their note.
 
     A row that no run answers is told as the first run tells it. Raises what the runs raise.
     """

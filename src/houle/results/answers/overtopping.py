@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from houle.analysis.errors import AnalysisError
 from houle.analysis.events import mean_interval, per_wave
 from houle.analysis.volumes import Volumes, wave_volumes
 from houle.analysis.weibull import Weibull, weibull_fit
@@ -64,7 +65,10 @@ class Crest:
         found = _together([one for one, *_ in runs], self.given.offsets)
         slots, counts = (np.concatenate([run[i] for run in runs]) for i in (1, 2))
         yield from self._discharge(name, found, slots, when)
-        yield self._share(name, counts, when)
+        if found.total > 0.0 and not len(found.volumes):
+            yield not_answered(f"{name}, share of the waves", "each wave brought less than a cell of water", "-")
+        else:
+            yield self._share(name, counts, when)
         if len(found.volumes):
             yield from self._volumes(name, found.volumes, when)
 
@@ -130,7 +134,7 @@ class Crest:
 
     def _volumes(self, name: str, volumes: FloatArray, when: str) -> Iterator[Answer]:
         """The largest volume, and scale and shape of the Weibull distribution of all."""
-        fitted = weibull_fit(volumes, least=LEAST * self.cell) if len(volumes) >= ENOUGH else None
+        fitted, why = self._fitted(volumes)
         cells = float(volumes.mean()) / self.cell
         coarse = f"a mean overtopping wave is {cells:.3g} cells of water"
         largest = Answer(
@@ -142,12 +146,22 @@ class Crest:
             beside = Beside("a (ln N_ow)^(1/b) of the volumes here", expected)
             largest = replace(largest, formulas=(beside,))
         yield largest
-        yield from self._weibull(name, fitted, len(volumes))
+        yield from self._weibull(name, fitted, why, len(volumes))
 
-    def _weibull(self, name: str, fitted: Weibull | None, count: int) -> Iterator[Answer]:
+    def _fitted(self, volumes: FloatArray) -> tuple[Weibull | None, str]:
+        """The distribution of the volumes, or None and why there is none."""
+        if len(volumes) < ENOUGH:
+            return None, f"{len(volumes)} overtopping waves, {ENOUGH} are the least"
+        try:
+            return weibull_fit(volumes, least=LEAST * self.cell), ""
+        except AnalysisError:
+            low, high = volumes.min(), volumes.max()
+            return None, f"volumes of {low:.4g} to {high:.4g} m3/m are too much alike to determine it"
+
+    def _weibull(self, name: str, fitted: Weibull | None, why: str, count: int) -> Iterator[Answer]:
         """Shape and scale of the volumes of single waves."""
         if fitted is None:
-            yield not_answered(f"{name}, Weibull b", f"{count} overtopping waves, {ENOUGH} are the least")
+            yield not_answered(f"{name}, Weibull b", why)
             return
         method = f"maximum likelihood of {count} volumes above {LEAST:g} cell of water, P(V > v) = exp(-(v/a)^b)"
         yield Answer(f"{name}, Weibull b", fitted.shape, "-", *fitted.shape_interval, method, group="shape")

@@ -79,6 +79,13 @@ def together(runs: Sequence[Given]) -> Sea | None:
     )
 
 
+def first_place(case: Case, sea: Sea) -> float:
+    """The first place x [m] that a case asks about, from the maker; that itself if it asks about none."""
+    places = [table.x for table in case.overtopping] + [table.x[1] for table in case.runup]
+    places += [] if case.reflection is None else [case.reflection.structure[0]]
+    return min(places, key=lambda x: abs(x - sea.maker), default=sea.maker)
+
+
 def _at_gauge(sea: Sea, series: Table) -> Sea:
     """The sea by the zero-moment of the elevation at the gauge nearest to the maker; as it is without a gauge."""
     if "eta" not in series:
