@@ -14,6 +14,7 @@ import pytest
 import houle
 from houle.errors import CaseError
 from houle.output.netcdf import Table, Variable, times
+from houle.results import summary
 from houle.results.answers import overtopping, reflection, walls
 from houle.results.answers.given import Given, attempted, worst
 from houle.results.answers.sea import sea_of, together
@@ -61,10 +62,10 @@ def test_each_seed_is_the_run_of_that_seed_alone(folder, tmp_path):
 
 
 def test_the_folder_holds_the_answers_of_all(folder):
-    summary, each = houle.open_run(folder).summary, [houle.open_run(folder / f"seed-{k}").summary for k in (3, 4)]
-    assert summary["finished"] and [one["seed"] for one in summary["seeds"]] == [3, 4]
-    assert summary["steps"] == sum(one["steps"] for one in each)
-    rows = {row["name"]: row for row in summary["answers"]["rows"]}
+    whole, each = houle.open_run(folder).summary, [houle.open_run(folder / f"seed-{k}").summary for k in (3, 4)]
+    assert whole["finished"] and [one["seed"] for one in whole["seeds"]] == [3, 4]
+    assert whole["steps"] == sum(one["steps"] for one in each)
+    rows = {row["name"]: row for row in whole["answers"]["rows"]}
     singles = [{row["name"]: row for row in one["answers"]["rows"]} for one in each]
     name = "overtopping crest, mean discharge"
     assert rows[name]["value"] == pytest.approx(np.mean([one[name]["value"] for one in singles]), rel=1e-3)
@@ -216,3 +217,11 @@ def test_of_a_worst_number_the_seed_is_told():
     runs = [lambda: [Answer("safety", 1.5, "-")], lambda: [Answer("safety", 1.2, "-", note="at 3 s")]]
     (low,), (high,) = worst(given, runs, lowest=True), worst(given, runs)
     assert (low.value, low.note) == (1.2, "at 3 s. in seed 4") and (high.value, high.note) == (1.5, "in seed 3")
+
+
+def test_waves_that_hold_less_energy_than_at_the_start_have_no_share_lost():
+    """Water that stood upright at the start has more; run.json holds null then, and the summary leaves the line out."""
+    entry = {"unit": "W/m", "periods": 5, "source_work": 3.0, "lost": 1.0, "stored": 0.0}
+    title, told = summary.waves({"wave_energy": {**entry, "lost_per_wavelength": None}})
+    assert "5 periods" in title and told[-1][0] == "lost in numbers"
+    assert summary.waves({"wave_energy": {**entry, "lost_per_wavelength": 0.02}})[1][-1][1] == "2.00 %"

@@ -61,6 +61,8 @@ def answers_come(s: CrossSection) -> Iterator[Finding]:
             yield Finding("warning", place(("bank", i, "x"), tables), text)
     yield from _crests(s)
     yield from _enough_waves(case)
+    if case.waves is not None and case.waves.seeds is not None:
+        yield Finding("info", "waves.seeds", f"= {case.waves.seeds}: as many runs, each of the cost that is told here")
 
 
 def _crests(s: CrossSection) -> Iterator[Finding]:
