@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from typing import Any
 
 import numpy as np
@@ -15,12 +16,13 @@ from houle.case.tables.waves import PASSING
 from houle.check.rules import check, require
 from houle.errors import CaseError
 from houle.output.netcdf import Table, Variable, times
-from houle.results.answers import bank, overtopping, pressures, runup, walls
+from houle.results.answers import bank, mound, overtopping, pressures, runup, walls
 from houle.results.answers.given import Given, attempted
 from houle.results.answers.outline import OutlineError, outline_of
 from houle.results.answers.picture import write
 from houle.results.answers.sea import NO_SEA, measured, sea_of
 from houle.results.answers.table import COLUMNS, Answer, entry, lines, not_answered
+from houle.waves.dispersion import wave_number
 
 PERIOD, HEIGHT, DEPTH = 1.6, 0.10, 0.40
 FLUME: dict[str, Any] = {
@@ -37,6 +39,7 @@ ROCK = {"porosity": 0.4, "grain_diameter": 0.03, "resistance": {"law": "van-gent
 FOUNDATION = {"name": "berm", "polygon": [[5.6, 0.0], [5.8, 0.1], [6.7, 0.1], [6.9, 0.0]], **ROCK}
 MOUND = {"name": "mound", "polygon": [[6.0, 0.0], [6.75, 0.5], [6.95, 0.5], [7.7, 0.0]], **ROCK}
 CREST = [{"name": "crest", "x": 7.66}]
+BANK = {"name": "b", "body": "mound", "x": [6.2, 6.6], "depth": 0.06, "friction_angle": 40.0}
 FORCE = {"name": "caisson", "body": "caisson", "about": [6.25, 0.1]}
 TIME = np.arange(0.0, 200.0, 0.01)
 
@@ -337,6 +340,55 @@ def test_waves_of_less_than_a_cell_came_over_all_the_same():
     found = rows_of(overtopping.questions(given_with(case, overtopping_volume=1e-5 * TIME)))
     q = found["overtopping crest, mean discharge"]
     assert q.value == pytest.approx(1e-5) and "less than a cell" in q.note and "came over" not in q.note
+    assert not found["overtopping crest, share of the waves"].answered
+
+
+def test_volumes_that_are_alike_have_no_shape():
+    case, record = case_with(solid=[DIKE], overtopping=CREST), np.zeros_like(TIME)
+    for start in np.arange(10.0, 190.0, 5.0):
+        record += 0.004 * (1 - np.cos(np.pi * np.clip((TIME - start) / 0.4, 0.0, 1.0))) / 2
+    found = rows_of(overtopping.questions(given_with(case, overtopping_volume=record)))
+    assert found["overtopping crest, V_max"].value == pytest.approx(0.004, rel=1e-3)
+    assert "too much alike" in found["overtopping crest, Weibull b"].note
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"waves": None, "solid": [CAISSON], "force": [{**FORCE, "weight": 900.0}]}, "caisson.weight = 900 N/m is"),
+        ({"solid": [DIKE], "overtopping": [{"name": "c", "x": 2.0}]}, r"c.x = 2 lies in waves.zone, 0 to 3.5"),
+        ({"solid": [DIKE], "overtopping": [{"name": "c", "x": 5.0}]}, r"c.x = 5: 0.4 m of still water stands"),
+        (
+            {"solid": [DIKE], "overtopping": CREST, "time": {"end": 40.0, "until": {"waves": 100}}},
+            r"time.until.waves = 100: until time.end = 40 s some \d+ waves come: time.end = 1\d\d",
+        ),
+        (
+            {"waves": None, "porous": [MOUND], "bank": [{**BANK, "x": [7.1, 7.6]}],
+             "water": [{"box": [[0.0, 0.0], [5.0, 0.4]]}]},
+            r"bank.b.x = \[7.1, 7.6\]: no water stands there at the start",
+        ),
+        (
+            {"porous": [MOUND], "bank": [{**BANK, "friction_angle": 30.0}]},
+            r"bank.b.friction_angle = 30 degrees is less than the 33.7 of the face",
+        ),
+    ],
+)  # fmt: skip
+def test_check_says_what_is_not_answered(tables, said):
+    """One warning each, and none of the kind for a section as it should be."""
+    tables = {**FLUME, **tables}
+    found = [
+        f for f in check(houle.load({k: v for k, v in tables.items() if v is not None})) if re.search(said, str(f))
+    ]
+    assert [f.level for f in found] == ["warning"]
+
+
+def test_a_section_as_it_should_be_is_not_warned_of():
+    case = case_with(
+        porous=[MOUND], overtopping=[{"name": "c", "x": 6.85}], bank=[BANK],
+        time={"end": 400.0, "until": {"waves": 100}},
+    )  # fmt: skip
+    said = "not used|lies in waves.zone|to and fro|waves come|no water stands|is less than the"
+    assert not [str(f) for f in check(case) if re.search(said, str(f))]
 
 
 def test_a_bank_whose_plane_stayed_dry_has_no_exit_gradient():
@@ -347,7 +399,7 @@ def test_a_bank_whose_plane_stayed_dry_has_no_exit_gradient():
             "bank": "b", "safety": safe, "still": 1.5, "unstable": 0.0, "gradient": {**worst, "value": value},
             "critical": 0.9, "lifting": 0.0, "excess": safe, "shields": None,
         }  # fmt: skip
-        found = rows_of(bank.questions([entry]))
+        found = rows_of(bank.questions(Given(case_with(), Table({}, {}, {}), None), [[entry]]))
         assert found["bank b, exit gradient"].note.startswith("not answered: the face is level, or the plane")
         assert found["bank b, factor of safety"].value == 1.5
 
@@ -458,3 +510,45 @@ def test_a_short_run_leaves_its_answers(tmp_path):
     late = run.series.time.values >= sea_of(run.case).start(3.15)
     assert mean["value"] == pytest.approx((volume[-1] - volume[late][0]) / np.ptp(run.series.time.values[late]))
     assert (run.directory / "answers.png").exists()
+
+
+def test_sensors_at_one_level_in_a_core_tell_the_decay_beside_the_formula():
+    """A third one in the row above, one in the water, and one alone in its row are not taken."""
+    places = {"P1": [6.6, 0.2], "P2": [6.9, 0.205], "P3": [7.1, 0.2], "alone": [6.8, 0.3], "water": [5.0, 0.2]}
+    sensors = [{"name": name, "at": at} for name, at in places.items()]
+    case, rate = case_with(porous=[MOUND], sensor=sensors), 1.5
+    record = np.stack([
+        1000.0 + 200.0 * np.exp(-rate * (x - 6.3)) * np.sin(2 * np.pi * TIME / 1.6) for x, _ in places.values()
+    ])  # fmt: skip
+    series = Table({"pressure": Variable(("sensor", "time"), record, {})}, {"time": times(TIME)}, {})
+    sea = sea_of(case)
+    decay, gradient = rows_of(mound.questions(Given(case, series, sea))).values()
+    length = 2 * np.pi / wave_number(2 * np.pi / PERIOD, DEPTH)
+    assert decay.value == pytest.approx(rate * length / np.sqrt(1.4) / (2 * np.pi), rel=1e-3)
+    assert decay.low == pytest.approx(decay.high, rel=0.02) and "P1, P2, P3" in decay.method
+    width = 1.7 - 0.2 * (1.5 + 1.5)  # of the mound at 0.2 m
+    expected = 0.0141 * np.sqrt(0.4) * length**2 / (HEIGHT * width)
+    assert decay.formulas[0].value == pytest.approx(expected, rel=0.005)
+    fall = np.exp(-rate * 0.3) - np.exp(-rate * 0.8)
+    assert gradient.value == pytest.approx(200.0 * fall / (9810.0 * 0.5), rel=0.01)
+    record[1, 9000] = 0.0
+    (row,) = rows_of(mound.questions(Given(case, series, sea))).values()
+    assert "sensor P2 falls dry" in row.note
+
+
+def test_the_set_up_of_a_phreatic_line_is_that_of_its_highest_place():
+    case = case_with(porous=[MOUND], phreatic=[{"name": "line", "body": "mound", "x": [6.7, 6.8, 6.9]}])
+    swing = 0.01 * np.sin(2 * np.pi * TIME / 1.6)
+    levels = DEPTH + np.stack([0.02 + swing, 0.03 + swing, np.where(TIME > 100.0, np.nan, 0.05)])
+    series = Table(
+        {
+            "phreatic": Variable(("phreatic",), np.array(["line"] * 3), {}),
+            "phreatic_x": Variable(("phreatic",), np.array([6.7, 6.8, 6.9]), {}),
+            "phreatic_level": Variable(("phreatic", "time"), levels, {}),
+        },
+        {"time": times(TIME)},
+        {},
+    )
+    (row,) = rows_of(mound.questions(Given(case, series, sea_of(case)))).values()
+    assert row.value == pytest.approx(0.03, abs=2e-4) and row.low <= row.value <= row.high
+    assert "x = 6.8 m, the highest of 2 places" in row.note

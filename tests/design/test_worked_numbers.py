@@ -106,6 +106,23 @@ def test_armour_of_van_der_meer_and_of_van_gent():
     assert abs(meer.D_n50 / 1.063 - 1) < 0.01  # the form of the Deltares toolbox
 
 
+@pytest.mark.parametrize(("period", "branch"), [(7.0, "plunging waves"), (16.0, "surging waves")])
+def test_stones_of_the_size_for_a_damage_have_that_damage(period, branch):
+    """The damage is the size solved the other way round; of the printed size it is 2 to the digits of the size."""
+    sea = {"wave_height": 3, "cot_slope": 2, "waves": 3000, "buoyant_density": 1.6}
+    meer = {**sea, "mean_period": period, "permeability": 0.5}
+    gent = {**sea, "core_to_armour": 0.3}
+    for damage in (2.0, 8.0):
+        size = design.armour_van_der_meer(**meer, damage=damage)
+        found = design.armour_damage_van_der_meer(**meer, D_n50=size.D_n50)
+        assert pytest.approx(damage, rel=1e-12) == found.S and found.N_s == pytest.approx(size.N_s, rel=1e-12)
+        assert found.branch == size.branch == branch and found.low < damage < found.high
+        stone = design.armour_van_gent(**gent, damage=damage).D_n50
+        assert pytest.approx(damage, rel=1e-12) == design.armour_damage_van_gent(**gent, D_n50=stone).S
+    assert pytest.approx(2, rel=0.01) == design.armour_damage_van_der_meer(**{**meer, "mean_period": 7}, D_n50=1.055).S
+    assert pytest.approx(2, rel=0.01) == design.armour_damage_van_gent(**gent, D_n50=1.233).S
+
+
 def test_pore_pressure_in_a_core():
     found = design.pore_pressure(pressure=10e3, x=5, wave_height=3, wave_length=60, porosity=0.4, core_width=20)
     assert met(found.delta, 0.535, 1e-3) and met(found.p / 1000, 7.18, 0.01)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from houle.analysis.coefficients import reflection
+    from houle.analysis.decay import Decay, pressure_decay
     from houle.analysis.erosion import Exit, Shields, critical_gradient, exit_gradient, lag, shields
     from houle.analysis.errors import AnalysisError
     from houle.analysis.events import Events, interval, load_events, mean_interval, per_wave
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AnalysisError",
     "Components",
+    "Decay",
     "Events",
     "Exit",
     "Gauges",
@@ -88,6 +90,7 @@ __all__ = [
     "per_wave",
     "porous_block",
     "porous_block_lorentz",
+    "pressure_decay",
     "quality_card",
     "read_csv",
     "reflection",
@@ -104,6 +107,7 @@ __all__ = [
 
 _MODULES = {
     "coefficients": ("reflection",),
+    "decay": ("Decay", "pressure_decay"),
     "erosion": (
         "Exit",
         "Shields",

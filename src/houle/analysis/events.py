@@ -13,7 +13,7 @@ or at the lowest sample between it and its neighbour.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,6 +60,18 @@ class Events:
         if count < 1 or not len(self):
             return float("nan")
         return float(np.sort(self.peaks)[::-1][:count].mean())
+
+    @classmethod
+    def together(cls, records: Sequence[Events], offsets: Iterable[float]) -> Events:
+        """The events of several records as those of one; offsets [s] are added to the times of each."""
+        shifts = list(offsets)
+        times = [one.times + shift for one, shift in zip(records, shifts, strict=True)]
+        spans = [one.spans + shift for one, shift in zip(records, shifts, strict=True)]
+        peaks, rise, impulses, rest = (
+            np.concatenate([getattr(one, key) for one in records]) for key in ("peaks", "rise", "impulses", "rest")
+        )
+        least, waves = max(one.threshold for one in records), sum(one.waves for one in records)
+        return cls(peaks, np.concatenate(times), np.concatenate(spans), rise, impulses, rest, least, waves)
 
     def exceedance(self) -> tuple[Real, Real]:
         """Peaks (N,), falling, and the share of the waves that reaches each: rank over waves + 1."""

@@ -19,6 +19,7 @@ from houle.analysis.errors import AnalysisError
 Real = NDArray[np.float64]
 FEWEST = 5  # values that tell a shape at all
 SHAPES = (0.05, 50.0)  # range in which the shape is looked for
+EDGE = 1.001  # a shape so near to an end of the range is that end: the likelihood grows beyond
 DRAWS = 100_000  # random numbers of an interval, at most
 REPEATS = 1000  # samples of an interval, at most
 HALVINGS = 36  # halvings of the range of ln(shape), to 1e-10
@@ -41,7 +42,7 @@ class Weibull:
 
 
 def weibull_fit(values: ArrayLike, *, least: float = 0.0, confidence: float = 0.90, seed: int = 0) -> Weibull:
-    """Fits values (N,) above `least`. Raises AnalysisError for fewer than 5, or values not above `least`."""
+    """Fits values (N,) above `least`. Raises AnalysisError for fewer than 5, nearly equal ones, or not above."""
     v = np.asarray(values, dtype=float).ravel()
     if len(v) < FEWEST:
         raise AnalysisError(f"{len(v)} values do not tell the shape of a distribution: {FEWEST} or more do")
@@ -50,6 +51,10 @@ def weibull_fit(values: ArrayLike, *, least: float = 0.0, confidence: float = 0.
     if v.min() == v.max():
         raise AnalysisError(f"Weibull: all {len(v)} values are {v[0]:g}")
     scale, shape = (float(found[0]) for found in _fit(v[None], least))
+    if not EDGE * SHAPES[0] < shape < SHAPES[1] / EDGE:
+        raise AnalysisError(
+            f"Weibull: the {len(v)} values do not determine a shape between {SHAPES[0]:g} and {SHAPES[1]:g}"
+        )
     repeats = max(200, min(REPEATS, DRAWS // len(v)))
     random = np.random.default_rng(seed).random((repeats, len(v)))
     below = (least / scale) ** shape

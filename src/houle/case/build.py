@@ -149,6 +149,7 @@ def site_of(case: Case) -> Site:
         density=case.fluid.density,
         porous={body.name: shape_of(body, d) for body in case.porous},
         solid={body.name: shape_of(body, d) for body in case.solid},
+        grains={body.name: body.grain_diameter for body in case.porous if body.grain_diameter is not None},
         open=tuple(table.side for table in case.open),
     )
 

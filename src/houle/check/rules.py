@@ -21,7 +21,7 @@ from houle.case.messages import guess, place, several
 from houle.case.model import Case
 from houle.case.reading import is_file
 from houle.case.section import CrossSection
-from houle.check.answers import overtopping_resolved
+from houle.check.answers import answers_come, overtopping_resolved
 from houle.check.boundaries import gates_fit, moving_walls_fit, open_sides_fit
 from houle.check.finding import Finding
 from houle.check.friction import friction_counts
@@ -312,5 +312,6 @@ CHECKS = (
     moving_walls_fit,
     friction_counts,
     overtopping_resolved,
+    answers_come,
     reference_is_there,
 )

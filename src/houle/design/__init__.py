@@ -16,7 +16,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from houle.design.armour import StoneSize, armour_van_der_meer, armour_van_gent
+    from houle.design.armour import (
+        Damage,
+        StoneSize,
+        armour_damage_van_der_meer,
+        armour_damage_van_gent,
+        armour_van_der_meer,
+        armour_van_gent,
+    )
     from houle.design.drag import DragRange, drag_range
     from houle.design.errors import DesignError
     from houle.design.formula import FORMULAS, Answer, Formula
@@ -53,6 +60,7 @@ __all__ = [
     "Answer",
     "BankDrawdown",
     "CoreScale",
+    "Damage",
     "DesignError",
     "DragRange",
     "Drawdown",
@@ -73,6 +81,8 @@ __all__ = [
     "StoneSize",
     "Transmission",
     "WallPressure",
+    "armour_damage_van_der_meer",
+    "armour_damage_van_gent",
     "armour_van_der_meer",
     "armour_van_gent",
     "core_scale",
@@ -99,7 +109,14 @@ __all__ = [
 ]
 
 _MODULES = {
-    "armour": ("StoneSize", "armour_van_der_meer", "armour_van_gent"),
+    "armour": (
+        "Damage",
+        "StoneSize",
+        "armour_damage_van_der_meer",
+        "armour_damage_van_gent",
+        "armour_van_der_meer",
+        "armour_van_gent",
+    ),
     "drag": ("DragRange", "drag_range"),
     "errors": ("DesignError",),
     "formula": ("FORMULAS", "Answer", "Formula"),

@@ -42,6 +42,7 @@ class Site:
     density   of the water [kg/m3]
     porous    shapes of the porous bodies by name
     solid     shapes of the solids by name, in the order of the case
+    grains    grain diameter of those porous bodies that have one [m]
     open      sides of the tank through which water comes and goes, "left" or "right"
     """
 
@@ -50,6 +51,7 @@ class Site:
     density: float = 1000.0
     porous: Mapping[str, Shape] = field(default_factory=dict)
     solid: Mapping[str, Shape] = field(default_factory=dict)
+    grains: Mapping[str, float] = field(default_factory=dict)
     open: tuple[str, ...] = ()
 
 

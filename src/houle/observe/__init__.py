@@ -1,8 +1,8 @@
 """The observables of a run, one file for each: gauges, sensors, forces and others that a case can ask for.
 
-    gauge, sensor, runup, overtopping, flux, phreatic, force, paddle, ledger    the observables of series.nc
+    gauge, sensor, runup, overtopping, flux, phreatic, force, bank, armour, paddle, ledger    those of series.nc
     snapshot    the surface (`Profile`) and the fields, for surface.nc and fields.vtkhdf
-    levels, points    levels of columns, and pressure between cell centres, for these
+    levels, points, faces    levels of columns, pressure between cell centres, places on the faces of bodies, for these
 
 They follow the protocol of `houle.flow.observer`: an `Instrument` as the case gives it, an `Observer` of all
 instruments of a kind in a flow.

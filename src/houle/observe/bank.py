@@ -14,28 +14,10 @@ import numpy as np
 from houle.fields import Field, Stations
 from houle.flow.observer import Instrument, Now, Observer, Remark, Sample, Site, along, outside
 from houle.flow.state import Flow
-from houle.grid import FloatArray, axes
-from houle.medium.sections import layers, section
-from houle.observe.levels import around, crossings, layer_at, mean_of_known
-from houle.observe.points import velocity_at
-from houle.observe.sensor import Sensor, Sensors
+from houle.grid import axes
+from houle.observe.faces import ABOVE, STEEPEST, Face, WaterOn, face_of, sensors
 
-ABOVE = 1.5  # spacings above the face at which the water is observed, by default
 FEWEST = 2.0  # spacings of `depth` below which the gradient through the face is not resolved
-STEEPEST = np.radians(80.0)  # slope from which on a face has no levels over x
-
-
-@dataclass(frozen=True)
-class Face:
-    """Points on the face of a bank (N, d) [m], its unit normals out of the bank (N, d), and its slope (N,) [rad]."""
-
-    points: FloatArray
-    normals: FloatArray
-    slope: FloatArray
-
-    def off(self, way: float) -> FloatArray:
-        """The points (N, d) at a way [m] along the normals: outside the bank, or inside if it is negative."""
-        return self.points + way * self.normals
 
 
 @dataclass(frozen=True)
@@ -67,20 +49,7 @@ class Bank(Instrument):
         """The places on the face; points with no level, NaN, lie beside the body."""
         low, high = sorted(self.x)
         x = low + (np.arange(self.points) + 0.5) * (high - low) / self.points
-        step = 1e-3 * (high - low) / self.points
-        level = [self._top(site, x + shift) for shift in (0.0, -step, step)]
-        steepness = (level[2] - level[1]) / (2 * step)
-        size = np.hypot(steepness, 1.0)
-        flat = [] if self.y is None else [np.full(len(x), self.y)]
-        still = [np.zeros(len(x))] * len(flat)
-        points, normals = [x, *flat, level[0]], [-steepness / size, *still, 1.0 / size]
-        return Face(np.stack(points, axis=1), np.stack(normals, axis=1), np.arctan(np.abs(steepness)))
-
-    def _top(self, site: Site, x: FloatArray) -> FloatArray:
-        """Top (N,) [m] of the body at x (N,) [m]; NaN beside it."""
-        shape = site.porous[self.body]
-        spans = layers(site.grid, [shape])
-        return crossings(section(site.grid, [shape], spans[layer_at(spans, self.y or 0.0)]), x)[1]
+        return face_of(site, self.body, x, self.y, 1e-3 * (high - low) / self.points)
 
     def check(self, site: Site) -> Iterator[Remark]:
         """The stretch lies on the body, the plane inside it, and the depth is resolved."""
@@ -97,6 +66,12 @@ class Bank(Instrument):
         if face.slope.max() > STEEPEST:
             steep = np.degrees(face.slope.max())
             yield Remark("error", "x", f"= {list(self.x)} holds a face of {steep:.3g} degrees: 80 at most")
+        elif (steep := float(np.degrees(face.slope.max()))) > self.friction_angle:
+            text = (
+                f"= {self.friction_angle:g} degrees is less than the {steep:.3g} of the face: "
+                "in still water the factor of safety is below 1 and it slides"
+            )
+            yield Remark("warning", "friction_angle", text)
         yield from self._placed(site, face)
         if self.depth < FEWEST * h * (1 - 1e-9):
             text = (
@@ -127,8 +102,7 @@ class Bank(Instrument):
 class Banks(Observer[Bank]):
     """Pressures at the faces of banks and inside them, and speeds along the faces, one bank after the other.
 
-    The pressure at the face follows from the head of the water at the outer point; where that is dry, from the level of
-    the water over the face. Where there is none it is 0. The speed is 0 where the outer point is dry.
+    Those at the face are of `houle.observe.faces.WaterOn`.
     """
 
     table = "bank"
@@ -162,14 +136,11 @@ class Banks(Observer[Bank]):
 
     def __init__(self, instruments: Sequence[Bank], site: Site, flow: Flow) -> None:
         faces = [one.face(site) for one in instruments]
-        self.points = np.concatenate([face.points for face in faces])
-        self.normals = np.concatenate([face.normals for face in faces])
+        points, normals = (np.concatenate([getattr(face, key) for face in faces]) for key in ("points", "normals"))
         over = [face.off(one.height(site)) for one, face in zip(instruments, faces, strict=True)]
         under = [face.off(-one.depth) for one, face in zip(instruments, faces, strict=True)]
-        self.over = np.concatenate(over)
-        self.water, self.pores = (_sensors(np.concatenate(at), site, flow) for at in (over, under))
-        self.column, self.weight = around(self.points[:, :-1], flow.grid)
-        self.density = site.density
+        self.water = WaterOn(points, normals, np.concatenate(over), site, flow)
+        self.pores, self.density = sensors(np.concatenate(under), site, flow), site.density
 
     @classmethod
     def stations(cls, instruments: Sequence[Bank], site: Site) -> Stations:
@@ -179,21 +150,9 @@ class Banks(Observer[Bank]):
         return Stations(names, along("face of the bank", np.concatenate(places), letters), cls.fields)
 
     def sample(self, now: Now) -> Sample:
-        flow, g = now.flow, -now.flow.gravity[-1]
-        outer, dz = self.water.pressure(flow), self.over[:, -1] - self.points[:, -1]
-        level = mean_of_known(flow.eta.ravel()[self.column], self.weight)
-        below = np.nan_to_num(level - self.points[:, -1], nan=0.0)
-        face = np.where(outer > 0.0, outer + g * dz, np.maximum(g * below, 0.0))
-        velocity = velocity_at(flow, self.over)
-        parallel = velocity - (velocity * self.normals).sum(axis=1, keepdims=True) * self.normals
-        speed = np.where(outer > 0.0, np.linalg.norm(parallel, axis=1), 0.0)
+        face, speed = self.water.sample(now.flow)
         return {
             "bank_pressure_face": self.density * face,
-            "bank_pressure_inside": self.density * self.pores.pressure(flow),
+            "bank_pressure_inside": self.density * self.pores.pressure(now.flow),
             "bank_speed": speed,
         }
-
-
-def _sensors(at: FloatArray, site: Site, flow: Flow) -> Sensors:
-    """Sensors at points (N, d) [m]."""
-    return Sensors([Sensor("", tuple(float(v) for v in point)) for point in at], site, flow)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from houle.analysis import AnalysisError, Layer, along_layer, critical_gradient, excess_pore_pressure, shields
 from houle.case.build import site_of
-from houle.observe.bank import Bank, Face
+from houle.observe.bank import Bank
+from houle.observe.faces import Face
 from houle.output import series_table
 from houle.output.netcdf import TIME, Variable
 from houle.waves.ship import ShipWave

@@ -33,7 +33,7 @@ BANDS = 10  # parts of equal energy of a sea
 
 @dataclass(frozen=True)
 class Solved:
-    """Coefficients of a section by linear theory; C_T is nan where there is a wall behind it.
+    """Coefficients of a section by linear theory; C_T is 0 where there is a wall behind it.
 
     error: difference of C_R between the two grids.
     """
@@ -63,8 +63,7 @@ def solve(case: Case, height: float, towards: float, front: float, wall: float |
         found.append(scatter(Section.of(medium, rows, i, j, case.fluid.gravity), omega, heights, wall=wall is not None))
     coarse, fine = found
     C_R, C_T = (2 * getattr(fine, name) - getattr(coarse, name) for name in ("C_R", "C_T"))
-    through = math.nan if wall is not None else C_T
-    return Solved(C_R, through, 1.0 - C_R**2 - (0.0 if wall is not None else C_T**2), abs(fine.C_R - coarse.C_R))
+    return Solved(C_R, C_T, 1.0 - C_R**2 - C_T**2, abs(fine.C_R - coarse.C_R))
 
 
 def bands(case: Case, height: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

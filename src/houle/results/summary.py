@@ -72,8 +72,10 @@ def _wave_energy(entry: dict[str, Any]) -> Rows:
     }  # fmt: skip
     least = 1e-9 * max(abs(entry[n]) for n in words if n in entry)
     lines = [(word, f"{entry[n]:+.4g} {unit}") for n, word in words.items() if abs(entry.get(n, 0.0)) > least]
-    share = f"{100 * entry['lost_per_wavelength']:.2f} %"
-    return [*lines, ("lost in numbers", f"{entry['lost']:+.4g} {unit}"), ("  of the energy, per wavelength", share)]
+    lines.append(("lost in numbers", f"{entry['lost']:+.4g} {unit}"))
+    if _number(entry["lost_per_wavelength"]):  # none where the water holds less energy than at the start
+        lines.append(("  of the energy, per wavelength", f"{100 * entry['lost_per_wavelength']:.2f} %"))
+    return lines
 
 
 def against_laboratory(summary: dict[str, Any]) -> Rows:

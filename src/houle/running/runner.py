@@ -19,6 +19,7 @@ from houle.running.signals import as_interrupts
 
 if TYPE_CHECKING:
     from houle.case.model import Case
+    from houle.results.answers.table import Answer
     from houle.running.session import Session
 
 P = ParamSpec("P")
@@ -81,6 +82,8 @@ def run(
     if (points := case.laboratory) is not None:
         laboratory.read(points)  # raises now rather than at the end
     threads = usable_threads(threads, says)
+    if case.waves is not None and case.waves.seeds is not None:
+        return _seeds(case, directory, threads, until, progress)
     says.say(f"houle: setting up {case.case.name}, spacing {case.domain.spacing:g} m, to t = {case.time.end:g} s")
     from houle.case.build import build
     from houle.flow.simulation import Simulation
@@ -121,6 +124,8 @@ def resume(
 
     clock, (case, manifest, hashes) = Clock(), existing(directory)
     check_until(until, None)
+    if case.waves is not None and case.waves.seeds is not None:
+        return _seeds(case, directory, threads, until, progress, manifest)
     finished = bool(manifest.get("finished"))
     if finished and not (until is not None and until > reached(case, manifest)):
         time = manifest["summary"]["time"]
@@ -142,6 +147,42 @@ def resume(
         says.say(f"houle: going on from {checkpoint.path.name}, t = {checkpoint.meta['time']:g} s")
         session = Session(directory, case, Goal(case, _sure), simulation, threads, clock, says)
         return finish(session.restore(checkpoint, manifest, hashes), until, progress)
+
+
+def _seeds(
+    case: Case,
+    directory: Path,
+    threads: int | None,
+    until: float | None,
+    progress: bool,
+    earlier: dict[str, Any] | None = None,
+) -> Run:
+    """All runs of a case with seeds: begun, or gone on with where run.json, `earlier`, is there."""
+    from houle.output.lock import exclusive
+    from houle.results import summary
+    from houle.running.seeds import Realisations
+
+    if until is not None:
+        raise CaseError(f"until = {until:g} s: with waves.seeds each run goes to time.end. Leave it out")
+    says = reporter(progress)
+    if earlier and earlier["finished"]:
+        says.say(f"houle: all seeds of {directory} are finished; there is nothing to do")
+        return Run(directory)
+    says.say(f"houle: writing to {directory}")
+    with exclusive(directory):
+        kept = case
+        if earlier is None:
+            new_folder(case.case.name, directory)  # raises if another run was made there meanwhile
+            kept = keep_case(case, directory)
+        one, more = (functools.partial(action, progress=progress) for action in (run, resume))
+        seeds = Realisations(directory, kept, one, more, functools.partial(_pooled, kept, directory, says), says)
+        seeds.begin(threads, earlier)
+        seeds.march(threads)
+    found = Run(directory)
+    if progress:
+        with suppress(OSError, ValueError):  # nobody reads it
+            summary.show(found.summary, directory)
+    return found
 
 
 def once(case: Case, directory: Path, threads: int | None = None, progress: bool = False) -> Run:
@@ -174,14 +215,15 @@ def finish(session: Session, until: float | None, progress: bool) -> Run:
 def _evaluate(session: Session, at_end: bool, progress: bool) -> Run:
     """Makes the pictures, the score, the analyses and run.json of a run that has been marched; returns it."""
     from houle.output import write_manifest
-    from houle.results import bank, impacts, laboratory, reflection, summary, wave_energy, wave_quality
+    from houle.results import armour, bank, impacts, laboratory, reflection, summary, wave_energy, wave_quality
 
     run = Run(session.directory)
     with session.clock.stage("pictures"):
         draw(run, session)
     more = laboratory.record(run)
     if at_end:
-        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run) | bank.record(run)
+        more |= reflection.record(run) | wave_energy.record(run) | impacts.record(run)
+        more |= bank.record(run) | armour.record(run)
         with session.clock.stage("answers"):
             more |= _answers(run, session, more)
     write_manifest(run.directory, session.summarise(finished=at_end, **more))
@@ -209,16 +251,33 @@ def _sure(directory: Path) -> bool:
     return record.sure(run, reflection.look(run) if until is not None and until.reflection is not None else {})
 
 
+def _pooled(case: Case, directory: Path, says: Silent, runs: list[Run]) -> tuple[dict[str, Any], bool]:
+    """Writes the answers of several runs together; the entries of run.json, and true if they are sure enough."""
+    from houle.results.answers import record
+
+    rows = record.pooled(case, runs)
+    found = record.record(directory, rows) | record.until(case, runs, rows) | record.reflection_entry(runs)
+    _draw_answers(directory, case, rows, says)
+    return found, case.time.until is not None and record.met(case, runs, rows)
+
+
+def _draw_answers(directory: Path, case: Case, rows: list[Answer], says: Silent) -> None:
+    """Draws answers.png. A picture that fails does not fail the run."""
+    from houle.results.answers import record
+
+    try:
+        record.draw(directory, case.title, rows)
+    except Exception as error:
+        says.say(f"warning: no {record.PICTURE} ({type(error).__name__}: {error})")
+
+
 def _answers(run: Run, session: Session, more: dict[str, Any]) -> dict[str, Any]:
     """Writes the answers of a run, and returns their entry of run.json. A picture that fails does not fail the run."""
     from houle.results.answers import record
 
     rows = record.answers(run, more)
-    found = record.record(run, rows) | record.until(run, rows)
-    try:
-        record.draw(run, rows)
-    except Exception as error:
-        session.says.say(f"warning: no {record.PICTURE} ({type(error).__name__}: {error})")
+    found = record.record(run.directory, rows) | record.until(run.case, [run], rows)
+    _draw_answers(run.directory, run.case, rows, session.says)
     return found
 
 

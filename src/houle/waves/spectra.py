@@ -133,7 +133,7 @@ KINDS.add(
         "Hm0/d below 0.4",
         "Hasselmann et al. (1973)",
         needs=("height", "period"),
-        takes=("seed", "gamma", "order"),
+        takes=("seed", "seeds", "gamma", "order"),
         place=2,
     )
 )
@@ -144,7 +144,7 @@ KINDS.add(
         "deep water",
         "Pierson & Moskowitz (1964)",
         needs=("height", "period"),
-        takes=("seed", "order"),
+        takes=("seed", "seeds", "order"),
         place=3,
     )
 )
@@ -155,7 +155,7 @@ KINDS.add(
         "Hm0/d below 0.4",
         "Bouws et al. (1985)",
         needs=("height", "period"),
-        takes=("seed", "gamma", "order"),
+        takes=("seed", "seeds", "gamma", "order"),
         place=4,
     )
 )

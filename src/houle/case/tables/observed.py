@@ -1,5 +1,5 @@
 """The observables of a run: [[gauge]] [[sensor]] [[runup]] [[overtopping]] [[force]] [[phreatic]] [[flux]]
-[[bank]].
+[[bank]] [[armour]].
 
 `Observed` lists the tables. An observer in `houle.observe` names the table that asks for it, and its instruments have
 the same keys. `disagreements` of a table checks it against the rest of the case file; the instrument itself checks the
@@ -182,6 +182,38 @@ class Bank(Row):
             yield "x", f"= [{self.x[0]:g}, {self.x[1]:g}]: the smaller x first"
 
 
+class Armour(Row):
+    """[[armour]]: gradients in the outer stones of an armour layer, and the water over them: indicators of its load."""
+
+    prefix = "armour-"
+
+    name: Name = Field(default="", description="name in the results; armour-1, armour-2, ... when left out")
+    body: str = Field(description="name of a [[porous]]")
+    x: Point2 | None = Field(
+        default=None, description="stretch of its top, from, to; all of it when left out [m]", examples=[[6.4, 7.4]]
+    )
+    stone: float | None = Field(
+        default=None,
+        gt=0,
+        le=10,
+        description="nominal diameter D_n50 of the stones; 0.84 times the grain_diameter of the body when left out [m]",
+    )
+    stone_density: float = Field(default=2650.0, gt=0, le=2e4, description="density of the stones [kg/m3]")
+    permeability: float | None = Field(
+        default=None,
+        ge=0.1,
+        le=0.6,
+        description="notional permeability P of Van der Meer; when left out by what is under the armour",
+    )
+    y: float | None = Field(default=None, description="position, 3D only [m]")
+
+    def disagreements(self, dimension: int, bodies: Bodies) -> Iterator[tuple[str, str]]:
+        yield from _in_3d_only(self.y, dimension)
+        yield from _named(self.body, bodies, "porous")
+        if self.x is not None and self.x[0] >= self.x[1]:
+            yield "x", f"= [{self.x[0]:g}, {self.x[1]:g}]: the smaller x first"
+
+
 class Observed(Table):
     """The tables of observables of a case, in the order in which they are sampled."""
 
@@ -193,6 +225,7 @@ class Observed(Table):
     phreatic: Annotated[tuple[Phreatic, ...], Field(strict=False, description="levels inside structures")] = ()
     flux: Annotated[tuple[Flux, ...], Field(strict=False, description="discharge through sections")] = ()
     bank: Annotated[tuple[Bank, ...], Field(strict=False, description="stability of the faces of banks")] = ()
+    armour: Annotated[tuple[Armour, ...], Field(strict=False, description="loads on the stones of armour layers")] = ()
 
     @classmethod
     def observed(cls) -> dict[str, type[Row]]:

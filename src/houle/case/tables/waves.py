@@ -19,6 +19,7 @@ CHOSEN = (
     "height",
     "period",
     "seed",
+    "seeds",
     "gamma",
     "file",
     "start",
@@ -117,6 +118,13 @@ class Waves(Table):
         "that seen from the bed [m/s]",
     )
     seed: int = Field(default=1, ge=0, description="seed of the random phases and frequencies: same seed, same sea")
+    seeds: int | None = Field(
+        default=None,
+        ge=2,
+        le=1000,
+        description="number of runs, with this seed and those that follow, one after the other; answers are pooled",
+        examples=[8],
+    )
     gamma: float = Field(default=GAMMA, ge=1, le=20, description="peak enhancement of jonswap, tma and focused [-]")
     order: Literal[1, 2] = Field(
         default=1,

@@ -7,7 +7,7 @@ outline     the section of a case in front of a crest
 given       the case, its series and its sea; questions without an answer
 wall        a structure on which forces are observed
 formulas, wall_formulas   published formulas and laboratory tests beside an answer
-overtopping, runup, walls, stability, reflection, pressures, bank   one kind of answer each
+overtopping, runup, walls, stability, reflection, pressures, mound, bank, armour   one kind of answer each
 record      all rows of a run, answers.csv
 picture     answers.png
 """

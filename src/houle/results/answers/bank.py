@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any
 
 from houle.errors import CaseError
-from houle.results.answers.given import Question
+from houle.results.answers.given import Given, Question, worst
 from houle.results.answers.table import Answer, Beside, not_answered
 
 GRAINS = "Soulsby & Whitehouse (1997) on the slope: moves the grains"
@@ -17,20 +17,29 @@ STILL = "tan(phi) / tan(beta): still water"
 WORST = "worst of all places and times"
 
 
-def questions(entries: Sequence[Mapping[str, Any]]) -> Iterator[Question]:
-    """One question for each bank, from its entry of run.json (`houle.results.bank`)."""
-    for entry in entries:
-        yield f"bank {entry['bank']}", partial(_rows, entry)
+def questions(given: Given, runs: Sequence[Sequence[Mapping[str, Any]]]) -> Iterator[Question]:
+    """Two questions for each bank, from its entry in run.json of each run (`houle.results.bank`)."""
+    for entries in zip(*runs, strict=True):
+        name = f"bank {entries[0]['bank']}"
+        yield name, partial(worst, given, [partial(_sliding, entry) for entry in entries], lowest=True)
+        if any("problem" not in entry for entry in entries):
+            yield name, partial(worst, given, [partial(_rows, entry) for entry in entries])
+
+
+def _sliding(entry: Mapping[str, Any]) -> Iterator[Answer]:
+    """The row of the factor of safety. Raises CaseError where nothing could be said of the bank."""
+    if "problem" in entry:
+        raise CaseError(entry["problem"])
+    name, sliding = f"bank {entry['bank']}, factor of safety", f"{WORST}, infinite slope"
+    row = _row(name, entry["safety"], "-", sliding, "safety", STILL, entry["still"])
+    yield row.noted(f"below 1 for {entry['unstable']:.3g} s")
 
 
 def _rows(entry: Mapping[str, Any]) -> Iterator[Answer]:
-    """The rows of a bank. Raises CaseError where nothing could be said of it."""
+    """The other rows of a bank, of which the largest is the worst; none where nothing could be said of it."""
     if "problem" in entry:
-        raise CaseError(entry["problem"])
+        return
     name = f"bank {entry['bank']}"
-    sliding = f"{WORST}, infinite slope"
-    row = _row(f"{name}, factor of safety", entry["safety"], "-", sliding, "safety", STILL, entry["still"])
-    yield row.noted(f"below 1 for {entry['unstable']:.3g} s")
     row = _row(f"{name}, exit gradient", entry["gradient"], "-", WORST, "gradient", LIFTS, entry["critical"])
     yield row.noted(f"above that for {entry['lifting']:.3g} s")
     method = f"{WORST}, above water at rest with the level outside"

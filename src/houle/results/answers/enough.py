@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from houle.output import series_table
 from houle.output.netcdf import TIME
-from houle.results.answers.sea import sea_of
+from houle.results.answers.sea import first_place, sea_of
 from houle.results.answers.table import Answer, not_answered
 
 if TYPE_CHECKING:
@@ -76,11 +76,8 @@ def waves_of(case: Case, directory: Path) -> float:
     sea = sea_of(case)
     if sea is None:
         return 0.0
-    places = [table.x for table in case.overtopping] + [table.x[1] for table in case.runup]
-    places += [] if case.reflection is None else [case.reflection.structure[0]]
     end = float(series_table(directory)[TIME].values[-1])
-    first = min(places, key=lambda x: abs(x - sea.maker), default=sea.maker)
-    return max(0.0, (end - sea.start(first)) / sea.mean)
+    return max(0.0, (end - sea.start(first_place(case, sea))) / sea.mean)
 
 
 def entry(found: list[Asked]) -> dict[str, Any]:

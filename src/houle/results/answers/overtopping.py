@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from houle.analysis.errors import AnalysisError
 from houle.analysis.events import mean_interval, per_wave
 from houle.analysis.volumes import Volumes, wave_volumes
 from houle.analysis.weibull import Weibull, weibull_fit
@@ -39,8 +40,7 @@ class Crest:
     """A crest of a run: the volume that came over it, wave by wave."""
 
     def __init__(self, given: Given, row: int, table: Overtopping) -> None:
-        self.given, self.table, self.x = given, table, table.x
-        self.record = given.record("overtopping_volume", row) / given.width
+        self.given, self.row, self.table, self.x = given, row, table, table.x
         self.cell = float(np.prod(given.case.domain.grid.spacing)) / given.width
 
     @cached_property
@@ -58,18 +58,35 @@ class Crest:
         """The rows of the crest. Raises AnalysisError, CaseError."""
         name, when = f"overtopping {self.table.name}", self.given.when(self.x)
         if self.given.sea is None or self.given.single:
-            yield Answer(f"{name}, volume", float(self.record[-1]), "m3/m", method=f"all that came over, {when}")
+            volume = float(self._record(self.given)[-1])
+            yield Answer(f"{name}, volume", volume, "m3/m", method=f"all that came over, {when}")
             return
-        late = self.given.late(self.x)
-        time, volume = self.given.time[late], self.record[late]
-        found = wave_volumes(time, volume, period=self.sea.mean, least=LEAST * self.cell)
-        waves = max(round(self.given.waves(self.x)), len(found.volumes))
-        ends = (float(time[0]), float(time[-1]))
-        slots = per_wave(found.times, found.volumes, *ends, waves)
+        runs = [self._waves(one) for one in self.given.each]
+        found = _together([one for one, *_ in runs], self.given.offsets)
+        slots, counts = (np.concatenate([run[i] for run in runs]) for i in (1, 2))
         yield from self._discharge(name, found, slots, when)
-        yield self._share(name, per_wave(found.times, np.ones(len(found.times)), *ends, waves), when)
+        if found.total > 0.0 and not len(found.volumes):
+            yield not_answered(f"{name}, share of the waves", "each wave brought less than a cell of water", "-")
+        else:
+            yield self._share(name, counts, when)
         if len(found.volumes):
             yield from self._volumes(name, found.volumes, when)
+
+    def _record(self, given: Given) -> FloatArray:
+        """The volume so far (T,) [m3/m] of a run."""
+        return given.record("overtopping_volume", self.row) / given.width
+
+    def _waves(self, given: Given) -> tuple[Volumes, FloatArray, FloatArray]:
+        """The overtopping waves of a run; volume, and number, in the slot of each wave. Raises AnalysisError."""
+        assert given.sea is not None
+        late = given.late(self.x)
+        time, volume = given.time[late], self._record(given)[late]
+        found = wave_volumes(time, volume, period=given.sea.mean, least=LEAST * self.cell)
+        waves = max(round(given.waves(self.x)), len(found.volumes))
+        span = (float(time[0]), float(time[-1]), waves)
+        return (
+            found, per_wave(found.times, found.volumes, *span), per_wave(found.times, np.ones(len(found.times)), *span)
+        )  # fmt: skip
 
     def _discharge(self, name: str, found: Volumes, slots: FloatArray, when: str) -> Iterator[Answer]:
         """The mean discharge in m3/s/m with all that stands beside it, and once more in l/s/m."""
@@ -117,7 +134,7 @@ class Crest:
 
     def _volumes(self, name: str, volumes: FloatArray, when: str) -> Iterator[Answer]:
         """The largest volume, and scale and shape of the Weibull distribution of all."""
-        fitted = weibull_fit(volumes, least=LEAST * self.cell) if len(volumes) >= ENOUGH else None
+        fitted, why = self._fitted(volumes)
         cells = float(volumes.mean()) / self.cell
         coarse = f"a mean overtopping wave is {cells:.3g} cells of water"
         largest = Answer(
@@ -129,16 +146,33 @@ class Crest:
             beside = Beside("a (ln N_ow)^(1/b) of the volumes here", expected)
             largest = replace(largest, formulas=(beside,))
         yield largest
-        yield from self._weibull(name, fitted, len(volumes))
+        yield from self._weibull(name, fitted, why, len(volumes))
 
-    def _weibull(self, name: str, fitted: Weibull | None, count: int) -> Iterator[Answer]:
+    def _fitted(self, volumes: FloatArray) -> tuple[Weibull | None, str]:
+        """The distribution of the volumes, or None and why there is none."""
+        if len(volumes) < ENOUGH:
+            return None, f"{len(volumes)} overtopping waves, {ENOUGH} are the least"
+        try:
+            return weibull_fit(volumes, least=LEAST * self.cell), ""
+        except AnalysisError:
+            low, high = volumes.min(), volumes.max()
+            return None, f"volumes of {low:.4g} to {high:.4g} m3/m are too much alike to determine it"
+
+    def _weibull(self, name: str, fitted: Weibull | None, why: str, count: int) -> Iterator[Answer]:
         """Shape and scale of the volumes of single waves."""
         if fitted is None:
-            yield not_answered(f"{name}, Weibull b", f"{count} overtopping waves, {ENOUGH} are the least")
+            yield not_answered(f"{name}, Weibull b", why)
             return
         method = f"maximum likelihood of {count} volumes above {LEAST:g} cell of water, P(V > v) = exp(-(v/a)^b)"
         yield Answer(f"{name}, Weibull b", fitted.shape, "-", *fitted.shape_interval, method, group="shape")
         yield Answer(f"{name}, Weibull a", fitted.scale, "m3/m", *fitted.scale_interval, method, group="volume")
+
+
+def _together(runs: list[Volumes], offsets: FloatArray) -> Volumes:
+    """The volumes of several runs as those of one."""
+    times = [one.times + offset for one, offset in zip(runs, offsets, strict=True)]
+    total, duration = sum(one.total for one in runs), sum(one.duration for one in runs)
+    return Volumes(np.concatenate([one.volumes for one in runs]), np.concatenate(times), total, duration)
 
 
 def _none_of(waves: int) -> str:

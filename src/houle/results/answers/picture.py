@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import floor, isfinite, log10
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,13 @@ GROUPS = {
     "discharge": "Mean overtopping discharge", "share": "Share of the waves that overtop",
     "volume": "Volumes of overtopping waves", "run-up": "Run-up above still water",
     "force": "Force of the waves", "moment": "Overturning moment", "coefficient": "Reflection",
+    "safety": "Factors of safety", "gradient": "Bank: exit gradient", "Shields": "Bank: Shields number",
+    "decay": "Decay of the pressure inside, delta",
+    "armour force": "Armour: force out over weight, an indicator",
+    "armour gradient": "Armour: run-down gradient, an indicator", "damage": "Armour: damage level S, by formula alone",
 }  # fmt: skip  # panels in their order
 LOGARITHMIC = "discharge"
-NAMES = 2.75  # width of the names at the left [inches]
+NAMES, LETTER, MOST = 2.75, 0.0625, 5.0  # width of the names at the left, of a letter, of the longest names [inches]
 WIDE = 4.6  # width of a panel [inches]
 LANE = 0.17  # height of a lane of a row: the run, each formula, the tests [inches]
 TESTS: dict[str, Any] = {"marker": "o", "ls": "none", "ms": 4.0, "mfc": "white", "mew": 0.9, "color": LABORATORY}
@@ -40,12 +44,13 @@ def write(path: Path, title: str, rows: Sequence[Answer]) -> Path | None:
     lanes = max(sum(_lanes(row) for row in own) for _, own in groups)
     key = _key(shown)
     words = "computed, with its interval of 90 %, beside published formulas and laboratory tests"
+    names = _room(row for _, own in groups for row in own)
     with drawing.style():
-        below = 0.55 + drawing.key_height(key, NAMES + WIDE)
-        margins = (NAMES, 0.35, below, 0.95)
+        below = 0.55 + drawing.key_height(key, names + WIDE)
+        margins = (names, 0.35, below, 0.95)
         page = sheet(len(groups), 1, (WIDE, LANE * (lanes + 1)), title, words, gap=(0, 0.62), margins=margins)
         for panel, (heading, own) in zip(page.panels, groups, strict=True):
-            _draw(panel, own)
+            _draw(panel, own, names)
             headings(panel, f"{heading} [{own[0].unit}]".replace(" [-]", ""))
         page.key(key)
         return page.save(path)
@@ -55,21 +60,27 @@ def _lanes(row: Answer) -> int:
     return 1 + len(row.formulas) + (row.tests is not None) + 1  # and air
 
 
-def _draw(panel: Axes, rows: Sequence[Answer]) -> None:
+def _room(rows: Iterable[Answer]) -> float:
+    """Width of the names [inches]: the longest is written out, as far as it may."""
+    longest = max(len(words) for row in rows for words in (row.name, *(one.name for one in row.formulas)))
+    return float(min(max(NAMES, 0.45 + LETTER * longest), MOST))
+
+
+def _draw(panel: Axes, rows: Sequence[Answer], names: float) -> None:
     """Draws rows from the top down, in lanes of one height."""
     log = rows[0].group == LOGARITHMIC
     at, count = 0.5, sum(_lanes(row) for row in rows)
     panel.set(xlim=_limits(rows, log), ylim=(max(count, 3), -0.5))
     for row in rows:
-        _row(panel, row, at, log)
+        _row(panel, row, at, log, names)
         at += _lanes(row)
     _ticks(panel, log)
 
 
-def _row(panel: Axes, row: Answer, at: float, log: bool) -> None:
+def _row(panel: Axes, row: Answer, at: float, log: bool, names: float) -> None:
     """Draws one answer: a lane for the run, one for each formula, one for the tests, each with its name."""
     place = _log if log else float
-    _name(panel, row.name, at, INK)
+    _name(panel, row.name, at, INK, names)
     if isfinite(row.low):
         panel.plot([place(row.low), place(row.high)], [at, at], color=WATER, lw=2.0, solid_capstyle="butt")
     none = log and row.value <= 0.0  # a logarithmic axis has no 0: an arrow at its end points there
@@ -82,22 +93,22 @@ def _row(panel: Axes, row: Answer, at: float, log: bool) -> None:
         clip_on=False,
     )
     for n, one in enumerate(row.formulas, start=1):
-        _name(panel, one.name, at + n, GREY)
+        _name(panel, one.name, at + n, GREY, names)
         _band(panel, one, at + n, n, place)
     if row.tests is not None:
         lane = at + len(row.formulas) + 1
         points = [place(p) for p in (row.tests.points or (row.tests.value,))]
-        _name(panel, "nearest laboratory tests", lane, GREY)
+        _name(panel, "nearest laboratory tests", lane, GREY, names)
         panel.plot(points, [lane] * len(points), clip_on=False, **TESTS)
 
 
-def _name(panel: Axes, words: str, at: float, colour: str) -> None:
-    """Writes what a lane shows at the left of the panel."""
+def _name(panel: Axes, words: str, at: float, colour: str, room: float) -> None:
+    """Writes what a lane shows at the left of the panel, in this room [inches]."""
     name = panel.annotate(
         words, (0, at), (-8, 0), xycoords=panel.get_yaxis_transform(), textcoords="offset points", ha="right",
         va="center", annotation_clip=False, fontsize=drawing.SMALL, color=colour,
     )  # fmt: skip
-    drawing.fitted(name, NAMES - 0.45)
+    drawing.fitted(name, room - 0.45)
 
 
 def _band(panel: Axes, one: Beside, at: float, number: int, place: Any) -> None:

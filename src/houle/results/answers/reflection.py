@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite, nan, sqrt
 from typing import Any
+
+import numpy as np
 
 from houle.errors import CaseError
 from houle.results.answers import formulas
@@ -16,6 +18,36 @@ from houle.results.answers.table import CONFIDENCE, Answer, Beside
 
 LINEAR = "linear theory"
 WORDS = {"C_R": "reflected", "C_T": "transmitted", "C_D": "dissipated energy"}
+
+
+def pooled(entries: Sequence[Mapping[str, Any]], seeds: Sequence[str]) -> dict[str, Any]:
+    """One entry of several runs in seas of one kind, of which each has the same weight; {} where none has one.
+
+    C_R and C_T are those of all waves, roots of mean energies; of independent runs the halves of the intervals add up
+    as squares. A run without an answer leaves its reason.
+    """
+    if len(entries) == 1 or not all(entries):
+        return dict(entries[0])
+    for entry, seed in zip(entries, seeds, strict=True):
+        if "problem" in entry:
+            return {"problem": f"{seed}: {entry['problem']}"}
+    found, count = dict(entries[0]), len(entries)
+    incident = np.array([entry["H_I"] for entry in entries], dtype=float)
+    for key, height in (("C_R", "H_R"), ("C_T", "H_T")):
+        values = np.array([entry[key] for entry in entries], dtype=float)  # None is NaN
+        found[key] = float(np.sqrt(np.mean((values * incident) ** 2) / np.mean(incident**2)))
+        heights = np.array([entry[height] for entry in entries], dtype=float)
+        found[height] = float(np.sqrt(np.mean(heights**2)))
+    found["H_I"] = float(np.sqrt(np.mean(incident**2)))
+    found["C_D"] = float(np.mean(np.array([entry["C_D"] for entry in entries], dtype=float)))
+    for key in ("C_R", "C_T", "C_D"):
+        ends = np.array([entry[f"interval_{key[-1]}"] for entry in entries], dtype=float)
+        values = np.array([entry[key] for entry in entries], dtype=float)
+        low, high = np.sqrt(((values[:, None] - ends) ** 2).sum(axis=0)) / count
+        found[f"interval_{key[-1]}"] = [found[key] - low, found[key] + high]
+    found["covers"] = f"{found['covers']}; {count} seeds, halves of their intervals added up as squares"
+    found["notes"] = list(dict.fromkeys(note for entry in entries for note in entry["notes"]))
+    return found
 
 
 def questions(given: Given, entry: Mapping[str, Any]) -> Iterator[Question]:

@@ -34,17 +34,17 @@ def questions(given: Given) -> Iterator[Question]:
 
 def _rows(given: Given, row: int, table: observed.RunUp) -> Iterator[Answer]:
     """The rows of a stretch of slope. Raises AnalysisError; CaseError where it stayed dry."""
-    name, record, sea = f"run-up {table.name}", given.record("runup_level", row), given.sea
+    name, sea = f"run-up {table.name}", given.sea
     if sea is None:
+        record = given.record("runup_level", row)
         if not np.isfinite(record).any():
             raise CaseError("no water stood on it in the whole run")
         highest = float(np.nanmax(record))
         yield Answer(f"{name}, highest level", highest, "m", method="above z = 0, in the whole run", group="run-up")
         return
     x = table.x[1]
-    late, waves = given.late(x), round(given.waves(x))
-    found = run_up(given.time[late], record[late] - sea.level, threshold=LEAST * sea.height if sea.height > 0 else 0.0)
-    found = _highest(found, waves)
+    found = _together([_waves(one, row, x) for one in given.each], given.offsets)
+    waves = found.waves
     method = f"above still water, {given.when(x)}"
     over = _over(given, sea, x, found.R_max)
     if waves < LEAST_WAVES:
@@ -56,6 +56,21 @@ def _rows(given: Given, row: int, table: observed.RunUp) -> Iterator[Answer]:
         yield with_formulas(two, sea, lambda: [_by_formula(given, sea, x)])
     largest = Answer(f"{name}, R_max", found.R_max, "m", method=method, note=over, group="run-up")
     yield _single(given, sea, x, largest)
+
+
+def _waves(given: Given, row: int, x: float) -> RunUp:
+    """The run-ups of one run. Raises AnalysisError."""
+    sea = given.sea
+    assert sea is not None
+    late, record = given.late(x), given.record("runup_level", row)
+    least = LEAST * sea.height if sea.height > 0 else 0.0
+    return _highest(run_up(given.time[late], record[late] - sea.level, threshold=least), round(given.waves(x)))
+
+
+def _together(runs: list[RunUp], offsets: FloatArray) -> RunUp:
+    """The run-ups of several runs as those of one."""
+    times = [one.times + offset for one, offset in zip(runs, offsets, strict=True)]
+    return RunUp(np.concatenate([one.peaks for one in runs]), np.concatenate(times), sum(one.waves for one in runs))
 
 
 def _highest(found: RunUp, waves: int) -> RunUp:

@@ -15,10 +15,11 @@ from houle.results.answers.structure import Sea
 from houle.waves.dispersion import GRAVITY, group_velocity, wave_number
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from houle.case.model import Case
     from houle.output.netcdf import Table
+    from houle.results.answers.given import Given
     from houle.waves.wave import Components
 
 NO_SEA = {
@@ -65,6 +66,24 @@ def measured(sea: Sea, case: Case, series: Table, reflection: Mapping[str, Any])
     if case.waves is None or case.waves.kind not in ("series", "paddle"):
         return sea
     return _at_gauge(sea, series)
+
+
+def together(runs: Sequence[Given]) -> Sea | None:
+    """The sea of several runs that differ by their seed: that of the first, with the mean energy of all."""
+    seas = [one.sea for one in runs if one.sea is not None]
+    if len(seas) < len(runs):
+        return None
+    height = sqrt(sum(sea.height**2 for sea in seas) / len(seas))
+    return replace(
+        seas[0], height=height, words=f"H_m0 {height:.4g} m in the mean of {len(seas)} seeds; one: {seas[0].words}"
+    )
+
+
+def first_place(case: Case, sea: Sea) -> float:
+    """The first place x [m] that a case asks about, from the maker; that itself if it asks about none."""
+    places = [table.x for table in case.overtopping] + [table.x[1] for table in case.runup]
+    places += [] if case.reflection is None else [case.reflection.structure[0]]
+    return min(places, key=lambda x: abs(x - sea.maker), default=sea.maker)
 
 
 def _at_gauge(sea: Sea, series: Table) -> Sea:

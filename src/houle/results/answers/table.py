@@ -129,14 +129,18 @@ def lines(found: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _lines(row: Mapping[str, Any]) -> list[tuple[str, str]]:
     if row["value"] is None:
-        return [(row["name"], row["note"] or "")]
+        return [(row["name"], row["note"] or ""), *_formula_lines(row)]
     found = [(row["name"], f"{_with_span(row, 'value', 'low_90', 'high_90')} {row['unit'] or ''}".rstrip(" -"))]
-    for key in ("formula", "formula_2"):
-        if row[key]:
-            found.append((f"  by {row[key]}", _with_span(row, f"{key}_value", f"{key}_low", f"{key}_high")))
+    found += _formula_lines(row)
     if row["tests"] is not None:
         found.append(("  nearest laboratory tests", _with_span(row, "tests", "tests_low", "tests_high")))
     return [*found, ("  note", row["note"])] if row["note"] else found
+
+
+def _formula_lines(row: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """A line for each formula beside a row."""
+    keys = [key for key in ("formula", "formula_2") if row[key]]
+    return [(f"  by {row[key]}", _with_span(row, f"{key}_value", f"{key}_low", f"{key}_high")) for key in keys]
 
 
 def _with_span(row: Mapping[str, Any], value: str, low: str, high: str) -> str:

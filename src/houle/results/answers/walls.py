@@ -6,19 +6,18 @@ crest is in it. Directions are those of the waves: "landward" is the way they tr
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from houle.analysis.events import Events, interval, load_events
 from houle.errors import CaseError
 from houle.grid import FloatArray
 from houle.results.answers import wall_formulas
-from houle.results.answers.given import Given, Question, with_formulas
+from houle.results.answers.given import Given, Question, with_formulas, worst
 from houle.results.answers.outline import outline_of
 from houle.results.answers.stability import safety
 from houle.results.answers.structure import Outline, Sea, Wall
@@ -46,10 +45,11 @@ def questions(given: Given) -> Iterator[Question]:
         if table.side not in (None, *ENDS):
             yield f"force {table.name}", partial(_no_wall, table)
             continue
-        wall = wall_of(given, row, table)
-        yield f"force {table.name}", partial(_loads, given, wall)
+        walls = [wall_of(one, row, table) for one in given.each]
+        yield f"force {table.name}", partial(_loads, given, walls)
         if table.weight is not None:
-            yield f"safety {table.name}", partial(safety, given, wall, table)
+            runs = [partial(safety, one, wall, table) for one, wall in zip(given.each, walls, strict=True)]
+            yield f"safety {table.name}", partial(worst, given, runs, lowest=True)
 
 
 def _no_wall(table: Force) -> NoReturn:
@@ -66,14 +66,14 @@ def _whole(given: Given, row: int, table: Force) -> Iterator[Answer]:
         )
 
 
-def _loads(given: Given, wall: Wall) -> Iterator[Answer]:
-    """The rows of a wall. Raises AnalysisError, CaseError."""
-    late = given.late(wall.front)
+def _loads(given: Given, walls: Sequence[Wall]) -> Iterator[Answer]:
+    """The rows of a wall, as it stood in each run. Raises AnalysisError, CaseError."""
+    wall = walls[0]
     density, sea = given.case.fluid.density, given.sea
     assert sea is not None
     name = f"force {wall.name}"
     outline = _Front(given, sea, wall)
-    towards = _events(given, wall.horizontal[late], late, wall)
+    towards = _events(given, walls, lambda one: one.horizontal)
     yield _impulse(given, name, wall, towards)
     largest = _largest(given, f"{name}, F_max landward", wall, towards, "N/m", "force")
     yield (
@@ -82,16 +82,15 @@ def _loads(given: Given, wall: Wall) -> Iterator[Answer]:
         else _regular(largest, sea, outline, density)
     )
     yield from _statistics(given, name, wall, towards)
-    yield _largest(
-        given, f"{name}, F_max seaward", wall, _events(given, -wall.horizontal[late], late, wall), "N/m", "force"
-    )
+    away = _events(given, walls, lambda one: -one.horizontal)
+    yield _largest(given, f"{name}, F_max seaward", wall, away, "N/m", "force")
     if wall.under:
-        lifting = _events(given, wall.upward[late], late, wall)
+        lifting = _events(given, walls, lambda one: one.upward)
         row = _largest(given, f"{name}, uplift", wall, lifting, "N/m", "force")
         yield with_formulas(row, sea, lambda: [wall_formulas.uplift(sea, outline.found, density, wall.width)])
     else:
         yield not_answered(f"{name}, uplift", "the structure stands on the floor or on a solid: no water is under it")
-    tipping = _events(given, wall.moment[late], late, wall)
+    tipping = _events(given, walls, lambda one: one.moment)
     row = _largest(given, f"{name}, overturning moment", wall, tipping, "N", "moment").noted(wall.about)
     yield with_formulas(
         row, sea, lambda: [wall_formulas.overturning(sea, outline.found, density, wall.width, wall.under)]
@@ -119,10 +118,14 @@ class _Front:
         return self.wall.outline or outline_of(self.given.case, self.sea, self.wall.crest)
 
 
-def _events(given: Given, load: FloatArray, late: NDArray[np.intp], wall: Wall) -> Events:
-    """Events of a load (T,) at the rows `late` of the series."""
-    assert given.sea is not None
-    return load_events(given.time[late], load, window=WINDOW * given.sea.mean, waves=given.waves(wall.front))
+def _events(given: Given, walls: Sequence[Wall], load: Callable[[Wall], FloatArray]) -> Events:
+    """Events of a load (T,) of a wall, as it stood in each run."""
+    found = []
+    for one, wall in zip(given.each, walls, strict=True):
+        assert one.sea is not None
+        late, waves, window = one.late(wall.front), one.waves(wall.front), WINDOW * one.sea.mean
+        found.append(load_events(one.time[late], load(wall)[late], window=window, waves=waves))
+    return Events.together(found, given.offsets)
 
 
 def _impulse(given: Given, name: str, wall: Wall, found: Events) -> Answer:
@@ -132,7 +135,8 @@ def _impulse(given: Given, name: str, wall: Wall, found: Events) -> Answer:
         return not_answered(f"{name}, largest impulse", "the force stands still")
     top = int(np.argmax(found.impulses))
     begins, ends = found.spans[top]
-    note = f"{begins:.4g} to {ends:.4g} s, peak {found.peaks[top]:.4g} N/m risen in {found.rise[top]:.3g} s"
+    lasts = f"from {given.moment(begins)} on for {ends - begins:.3g} s"
+    note = f"{lasts}, peak {found.peaks[top]:.4g} N/m risen in {found.rise[top]:.3g} s"
     value = float(found.impulses[top])
     return Answer(f"{name}, largest impulse landward", value, "N s/m", method=method, note=note, group="impulse")
 
@@ -145,8 +149,8 @@ def _largest(given: Given, name: str, wall: Wall, found: Events, unit: str, grou
     top = found.largest
     rest = float(np.median(found.rest))
     words = (
-        f"at {found.times[top]:.4g} s, risen in {found.rise[top]:.3g} s, impulse {found.impulses[top]:.3g} {unit[0]} s"
-        f"{unit[1:]}, at rest {rest:.4g} {unit}"
+        f"at {given.moment(found.times[top])}, risen in {found.rise[top]:.3g} s, "
+        f"impulse {found.impulses[top]:.3g} {unit[0]} s{unit[1:]}, at rest {rest:.4g} {unit}"
     )
     method = f"highest of {len(found)} events above the level at rest, {given.when(wall.front)}"
     row = Answer(name, float(found.peaks[top]), unit, method=method, note=words, group=group)
