@@ -4,14 +4,14 @@
     python benchmarks/breaking_beach.py show beach.npz [more.npz ...]
     python benchmarks/breaking_beach.py theory
 
-`run` computes the shipped case `beach` (Hansen & Svendsen 1979, test 061071) and keeps, for every column of cells and as means
-over the last periods: height and mean level of the waves, their flux of energy
+`run` computes the shipped case `beach` (Hansen & Svendsen 1979, test 061071) and keeps, for every column of cells
+and as means over the last periods: height and mean level of the waves, their flux of energy
 
     F = 1/h sum V u (p/rho + g (z - d) + |u|^2/2)      over the particles of the column of width h [m4/s3],
 
-and what the transfers, the position correction and the remeshing took from the water there (`houle.flow.ledger`). In steady
-waves -dF/dx is what is lost at a place. What these three have not taken is lost by the pressure and the motion with it:
-where water meets water it is stopped at once.
+and what the transfers, the position correction and the remeshing took from the water there (`houle.flow.ledger`). In
+steady waves -dF/dx is what is lost at a place. What these three have not taken is lost by the pressure and the motion
+with it: where water meets water it is stopped at once.
 
 `show` prints one table by gauge and one by stretch of the beach. `theory` prints what steady waves do that keep
 their flux of energy, without friction and with laminar friction at the bed and the side walls of the laboratory's
@@ -21,6 +21,7 @@ flume, 0.6 m wide (stream function waves in a closed flume; friction by Stokes' 
 from __future__ import annotations
 
 import argparse
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -202,7 +203,7 @@ def by_stretch(n: dict[str, FloatArray]) -> None:
     unit = float(np.interp(0.0, x, flux))
     print(f"flux of energy at the toe {1000 * unit:.4f} W/m; shares of it [%]:")
     print("  from    to   -dF    " + "  ".join(f"{name:>10}" for name in (*LOST, "pressure")))
-    for a, b in zip(STRETCHES[:-1], STRETCHES[1:], strict=True):
+    for a, b in pairwise(STRETCHES):
         inside = (x >= a) & (x < b)
         drop = -float(np.interp(b, x, flux) - np.interp(a, x, flux))
         taken = [-float(n[name][inside].sum()) for name in LOST]
