@@ -231,7 +231,7 @@ def test_column_comparison_sees_a_wrong_front(tmp_path):
 
 
 def broken_waves(factor=1.0, transient=0.0):
-    """A run of `beach` whose waves have the heights and levels of the record, and a transient long before the end [m]."""
+    """A run of `beach` with heights and levels of the record, and long before the end a transient [m]."""
     case, record = load("beach"), measure.read_points(engine.FOLDER / "beach" / "data" / "heights.csv")
     time = np.arange(0.0, case.time.end + 1e-9, 0.02)
     wave = 0.5 * factor * record["height_m"][:, None] * np.cos(2 * np.pi / case.waves.period * time)

@@ -59,7 +59,7 @@ def heights(run: Run) -> tuple[FloatArray, FloatArray]:
 
 
 def breaking(height: FloatArray) -> tuple[float, float]:
-    """Place from the toe and size [m] of the largest height: of the parabola through the highest gauge and those beside."""
+    """Place from the toe and size [m] of the largest height, by a parabola through three gauges."""
     top = int(np.clip(np.argmax(height), 1, len(height) - 2))
     a, b, c = np.polyfit(RECORD["x_m"][top - 1 : top + 2], height[top - 1 : top + 2], 2)
     return float(-0.5 * b / a), float(c - 0.25 * b * b / a)
