@@ -135,7 +135,7 @@ class Means:
         self.span += dt
 
     def write(self, out: Path, ledger: LedgerByPlace, x: FloatArray, **more: Any) -> None:
-        """Writes the means so far, over whole periods or not."""
+        """Writes the means so far."""
         height = self.high - self.low
         numbers = {name: value / self.span for name, value in (self.sums | ledger.change).items()}
         known = height[: max(1, int(self.span / PERIOD + 0.1))]
@@ -178,7 +178,8 @@ def show(files: list[Path]) -> None:
 
 def by_gauge(n: dict[str, FloatArray]) -> None:
     """Height and mean level at every third gauge up to breaking and at all behind it, beside the record."""
-    record = read_points(RECORD)
+    record, whole = read_points(RECORD), max(1, round(float(n["span"]) / PERIOD))
+    n = n | {"level": n["levels"][-whole:].mean(axis=0)}  # of whole periods, also where the run was cut short
     print("  x [m]   H [mm]  run   rec   off    level [mm] run   rec")
     for i, row in enumerate(record):
         if row["x_m"] < 6.5 and i % 3:
@@ -193,7 +194,13 @@ def by_gauge(n: dict[str, FloatArray]) -> None:
         )
     inside = np.isfinite(n["height"]) & (n["x"] > 5.0) & (n["x"] < 11.0)
     x, height = n["x"][inside], n["height"][inside]
-    print(f"breaks at x = {x[height.argmax()]:.2f} m, H_b = {1e3 * height.max():.1f} mm; record 8.22 m, 103.6 mm")
+    place = x[height.argmax()]
+    print(f"breaks at x = {place:.2f} m, H_b = {1e3 * height.max():.1f} mm; record 8.22 m, 103.6 mm")
+    gauges = record["x_m"]
+    run = np.interp(gauges, n["x"], n["height"])
+    for begin, end in ((0.0, 6.5), (8.3, 10.5)):
+        part = (gauges > begin) & (gauges < end)
+        print(f"height from {begin} to {end} m off by {100 * (run / record['height_m'] - 1)[part].mean():+.1f} %")
 
 
 def by_stretch(n: dict[str, FloatArray]) -> None:
