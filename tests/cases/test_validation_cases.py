@@ -230,6 +230,27 @@ def test_column_comparison_sees_a_wrong_front(tmp_path):
     assert not errors[0] and len(errors[1]) == 3
 
 
+def broken_waves(factor=1.0, transient=0.0):
+    """A run of `beach` with heights and levels of the record, and long before the end a transient [m]."""
+    case, record = load("beach"), measure.read_points(engine.FOLDER / "beach" / "data" / "heights.csv")
+    time = np.arange(0.0, case.time.end + 1e-9, 0.02)
+    wave = 0.5 * factor * record["height_m"][:, None] * np.cos(2 * np.pi / case.waves.period * time)
+    early = np.where(time < case.time.end - 10 * case.waves.period, transient, 0.0)
+    eta = xr.DataArray(case.waves.depth + record["setup_m"][:, None] + wave + early, dims=("gauge", "time"))
+    series = xr.Dataset({"eta": eta, "volume_drift": ("time", 0.0 * time)}, {"time": time})
+    return SimpleNamespace(case=case, series=series)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.1])
+def test_beach_comparison_measures_breaking_and_set_up_as_the_record_does_over_the_last_periods(factor):
+    found = {c.name: c.value for c in comparison("beach").compare(broken_waves(factor, transient=0.01))}
+    assert found["largest height, from the toe"] == pytest.approx(8.22, abs=0.01)
+    assert found["largest height"] == pytest.approx(103.6 * factor, abs=0.3)
+    assert found["height behind breaking, off by"] == pytest.approx(100 * (factor - 1), abs=0.3)
+    assert found["height up to 6.5 m from the toe, off by"] == pytest.approx(100 * (factor - 1), abs=0.3)
+    assert found["set-up at the last gauge"] == pytest.approx(4.52, abs=0.2)
+
+
 @pytest.mark.parametrize(
     ("name", "overrides"),
     [
