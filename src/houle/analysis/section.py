@@ -183,7 +183,7 @@ class _Problem:
         return np.where(self.wet, potential, 0.0)
 
     def amplitudes(self, potential: Complex) -> Complex:
-        """Reflected wave in the first column and transmitted one in the last, amplitudes over that of the incident one."""
+        """Reflected wave in the first column, transmitted one in the last: amplitudes over that of the incident one."""
         behind = 0j if self.behind is None else self.behind.share(potential[-1])
         return np.array([self.before.share(potential[0]) - 1.0, behind])
 
