@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 ROWS = (20, 40)  # cells in the depth of the two grids
 AWAY = 2.0  # depths between the section and its ends: what dies away has fallen to exp(-2 pi)
+ALL = 1e-3  # C_T below which nothing goes on behind a structure
 BANDS = 10  # parts of equal energy of a sea
 
 
@@ -62,6 +63,8 @@ def solve(case: Case, height: float, towards: float, front: float, wall: float |
         i, j = round(first / hx), round(last / hx)
         found.append(scatter(Section.of(medium, rows, i, j, case.fluid.gravity), omega, heights, wall=wall is not None))
     coarse, fine = found
+    if not case.porous and fine.C_T < ALL:
+        raise AnalysisError("nothing takes energy out of linear waves on solids alone: all of it comes back")
     C_R, C_T = (2 * getattr(fine, name) - getattr(coarse, name) for name in ("C_R", "C_T"))
     return Solved(C_R, C_T, 1.0 - C_R**2 - C_T**2, abs(fine.C_R - coarse.C_R))
 
