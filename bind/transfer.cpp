@@ -201,6 +201,7 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
         const auto cloud = sorted_cloud<D>(g, x, std::nullopt, mass, start, interfaces);
         const double* uu = entries(u, cloud.n * D, "u");
         if (order < 1 || order > 1000) refuse("order is " + std::to_string(order) + ": 1 to 1000");
+        if (more < 0 || more > 4000) refuse("more is " + std::to_string(more) + ": 0 to 4000");
         const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass"),
                    w = faces(g, work, "work");
         const auto space = lent.view("lent");
@@ -212,7 +213,8 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
       },
       "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a, "lent"_a,
       "interfaces"_a = nb::none(), "where"_a = nb::none(), "more"_a = 0,
-      "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
+      "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual, and on "
+      "the faces where `where` is not 0 as often again as `more` says.");
 }
 
 void bind_transfer(nb::module_& m) {
