@@ -195,21 +195,26 @@ static void bind_mass_matrix(nb::module_& m, const char* name) {
   define(
       matrix, "transfer",
       [](Matrix& s, Given x, Given mass, Numbers start, Given u, int order, Fields velocity, Fields face_mass,
-         Fields work, Field lent, OptionalInterfaces interfaces) {
+         Fields work, Field lent, OptionalInterfaces interfaces, std::optional<Arrays<const std::uint8_t>> where,
+         int more) {
         const auto& g = s.grid();
         const auto cloud = sorted_cloud<D>(g, x, std::nullopt, mass, start, interfaces);
         const double* uu = entries(u, cloud.n * D, "u");
         if (order < 1 || order > 1000) refuse("order is " + std::to_string(order) + ": 1 to 1000");
+        if (more < 0 || more > 4000) refuse("more is " + std::to_string(more) + ": 0 to 4000");
         const auto v = faces(g, velocity, "velocity"), fm = faces(g, face_mass, "face_mass"),
                    w = faces(g, work, "work");
         const auto space = lent.view("lent");
         apart(space.data, space.size, "lent", cloud.start, g.cells() + 1, "start");
+        ConstFaces<D, std::uint8_t> marked{};
+        if (where) marked = faces(g, *where, "where");
         nb::gil_scoped_release release;
-        s.transfer(cloud, uu, order, v, fm, w, {space.data, static_cast<std::size_t>(space.size)});
+        s.transfer(cloud, uu, order, v, fm, w, {space.data, static_cast<std::size_t>(space.size)}, marked, more);
       },
       "position"_a, "mass"_a, "start"_a, "u"_a, "order"_a, "velocity"_a, "face_mass"_a, "work"_a, "lent"_a,
-      "interfaces"_a = nb::none(),
-      "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual.");
+      "interfaces"_a = nb::none(), "where"_a = nb::none(), "more"_a = 0,
+      "Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual, and on "
+      "the faces where `where` is not 0 as often again as `more` says.");
 }
 
 void bind_transfer(nb::module_& m) {

@@ -103,8 +103,10 @@ class MassMatrix2:
         work: Sequence[numpy.typing.NDArray[numpy.float64]],
         lent: numpy.typing.NDArray[numpy.float64],
         interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
+        where: Sequence[numpy.typing.NDArray[numpy.uint8]] | None = None,
+        more: int = 0,
     ) -> None:
-        """Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual."""
+        """Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual, and on the faces where `where` is not 0 as often again as `more` says."""
 
 class MassMatrix3:
     """The full mass matrix of the linear kernel, for the transfer FMPM(k)."""
@@ -123,8 +125,10 @@ class MassMatrix3:
         work: Sequence[numpy.typing.NDArray[numpy.float64]],
         lent: numpy.typing.NDArray[numpy.float64],
         interfaces: tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float64], Sequence[numpy.typing.NDArray[numpy.int8]]] | None = None,
+        where: Sequence[numpy.typing.NDArray[numpy.uint8]] | None = None,
+        more: int = 0,
     ) -> None:
-        """Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual."""
+        """Velocities and masses of the faces: to_faces with the linear kernel, then order - 1 times add_residual, and on the faces where `where` is not 0 as often again as `more` says."""
 
 def set_threads(threads: int) -> None: ...
 

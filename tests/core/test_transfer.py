@@ -44,13 +44,14 @@ class Cloud:
             _core.add_residual(*self.core, u, mass, velocity, work)
         return velocity, mass
 
-    def by_mass_matrix(self, order, lent):
+    def by_mass_matrix(self, order, lent, where=None, more=0):
         velocity, mass, work = (self.grid.faces(7.0) for _ in range(3))  # overwritten
         matrix = (_core.MassMatrix2 if self.grid.dimension == 2 else _core.MassMatrix3)(self.grid.core)
         for count in (len(self.x) // 2, len(self.x)):  # what the first transfer left is forgotten
             start = np.minimum(self.start, count)
             spaces = velocity, mass, work, np.full(lent, 7.0)
-            matrix.transfer(self.x[:count], self.mass[:count], start, self.u[:count], order, *spaces)
+            rest = (None, where, more)
+            matrix.transfer(self.x[:count], self.mass[:count], start, self.u[:count], order, *spaces, *rest)
         return velocity, mass
 
     def to_particles(self, velocity, change=(), drag=(), flip=0.0):
@@ -105,6 +106,29 @@ def test_the_mass_matrix_gives_what_passes_over_the_particles_give(grid, random,
     found, found_mass = cloud.by_mass_matrix(order, lent)
     same(found_mass, mass)
     same(found, velocity, [(m == 0.0) | (m > 1e-3) for m in mass])
+
+
+@settings(max_examples=40)
+@given(grids(), randoms, st.integers(1, 4), st.integers(0, 5))
+def test_more_terms_where_they_are_asked_for(grid, random, order, more):
+    """On all faces they are terms like the others, on none they are none; on some, each is a step of Jacobi's there."""
+    cloud = Cloud(grid, "linear", random)
+
+    def marks(value):
+        return [np.full(m.shape, value, np.uint8) for m in grid.faces()]
+
+    few = cloud.by_mass_matrix(order, 0)[0]
+    for value, terms in ((1, order + more), (0, order)):
+        for found, known in zip(
+            cloud.by_mass_matrix(order, 0, marks(value), more)[0], cloud.by_mass_matrix(terms, 0)[0], strict=True
+        ):
+            assert np.array_equal(found, known)
+    some = [np.asarray(random.random(m.shape) < 0.5, np.uint8) for m in grid.faces()]
+    one, two = cloud.by_mass_matrix(order, 0, some, 1)[0], cloud.by_mass_matrix(order + 1, 0)[0]
+    for axis, (where, found, before, after) in enumerate(zip(some, one, few, two, strict=True)):
+        if grid.periodic[axis]:  # the last face is the first again
+            np.moveaxis(where, axis, 0)[-1] = np.moveaxis(where, axis, 0)[0]
+        assert np.allclose(found, np.where(where, after, before), rtol=1e-12, atol=1e-12)
 
 
 @settings(max_examples=40)

@@ -24,8 +24,9 @@ class MassMatrix {
   // The transfer: velocity and mass (faces) as to_faces() gives them with the linear kernel, with order - 1 times
   // add_residual() after it. work (faces): work space; lent: more of it for the matrix, which takes memory of its own
   // only if that is too small.
+  // where (faces, or null): 1 on faces that take `more` terms beyond these, 0 on all others.
   void transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass, Faces<D> work,
-                std::span<double> lent);
+                std::span<double> lent, ConstFaces<D, std::uint8_t> where = {}, int more = 0);
 
  private:
   static constexpr int up = D - 1, links = D == 2 ? 5 : 14, corners = 1 << D;
@@ -271,19 +272,40 @@ class MassMatrix {
       for (index k = 0; k < row.height; ++k) w[k] = m[k] > 0.0 ? v[k] + w[k] / m[k] : 0.0;
     });
   }
+
+  // refine() on the faces where `where` is not 0; the others keep their velocity.
+  void refine_at(const std::uint8_t* where, const double* mass, const double* before, double* next) const {
+    const Links now = now_;
+    each_row([=](index r, const Row& row, index face) {
+      const double *m = mass + face, *v = before + face, *momentum = now.store + row.first;
+      const std::uint8_t* at = where + face;
+      double* w = next + face;
+      if (std::none_of(at, at + row.height, [](std::uint8_t one) { return one != 0; })) {
+        std::copy(v, v + now.line, w);
+        return;
+      }
+      std::copy(momentum, momentum + row.height, w);
+      std::copy(v + row.height, v + now.line, w + row.height);
+      now.add_product(r, -1.0, before, w);
+      HOULE_INDEPENDENT
+      for (index k = 0; k < row.height; ++k) w[k] = v[k] + (at[k] && m[k] > 0.0 ? w[k] / m[k] : 0.0);
+    });
+  }
 };
 
 template <int D>
 void MassMatrix<D>::transfer(const Cloud<D>& cloud, const double* u, int order, Faces<D> velocity, Faces<D> mass,
-                             Faces<D> work, std::span<double> lent) {
+                             Faces<D> work, std::span<double> lent, ConstFaces<D, std::uint8_t> where, int more) {
+  const int terms = where[0] ? order + more : order;
   find_tops(cloud.start);
   each_of<D>([&](auto axis) {
     constexpr int a = decltype(axis)::value;
-    double *now = order % 2 ? velocity[a] : work[a], *next = order % 2 ? work[a] : velocity[a];
+    double *now = terms % 2 ? velocity[a] : work[a], *next = terms % 2 ? work[a] : velocity[a];
     list_rows(a, lent);
     sum_particles<a>(cloud, u);
     divide(mass[a], now);
     for (int k = 1; k < order; ++k, std::swap(now, next)) refine(mass[a], now, next);
+    for (int k = order; k < terms; ++k, std::swap(now, next)) refine_at(where[a], mass[a], now, next);
   });
   close_periodic(grid_, mass);
   close_periodic(grid_, velocity);

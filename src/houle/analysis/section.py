@@ -87,11 +87,6 @@ class Section:
     def shape(self) -> tuple[int, int]:
         return self.open[0].shape[0] - 1, self.open[1].shape[1] - 1
 
-    @property
-    def depth(self) -> float:
-        """Height of the open part of the first column [m]."""
-        return float(self.open[0][1].sum()) * self.spacing[1]
-
 
 def scatter(section: Section, omega: ArrayLike, height: ArrayLike, *, wall: bool) -> Scatter:
     """Reflected and transmitted waves of a section, for regular waves or a sea.

@@ -18,7 +18,7 @@ from houle.flow.component import Component, State
 from houle.flow.remeshers import Remesher, handed_on
 from houle.flow.state import SPRAY, Flow
 from houle.flow.transfer import Transfer
-from houle.grid import FloatArray, spread, widened
+from houle.grid import FloatArray, widened
 
 
 class RemeshingSchedule(Component):
@@ -123,8 +123,7 @@ def _take_made(flow: Flow, before: FloatArray) -> None:
     made = (after > before) & ~held & flow.at_interface
     if not made.any():
         return
-    air = (flow.active == 0) & (flow.medium.open_cells > 0.0)
-    joined = flow.at_oblique_interface & ~spread(air, flow.grid.periodic)
+    joined = flow.joined_cells()
     wanted = before + np.where(joined, _kept((after - before)[joined]), 0.0) * (after - before)
     share = np.sqrt(np.divide(wanted, after, out=np.ones_like(after), where=made))
     _core.scale_by_cell(flow.grid.core, np.ascontiguousarray(share), p.position, p.velocity)

@@ -253,6 +253,27 @@ class Flow(Tank):
         oblique = self.medium.contrast == OBLIQUE
         return self.at_interface & oblique & ~self.medium.near_contrast(MOST_CONTRAST)
 
+    def joined_cells(self) -> NDArray[np.bool_]:
+        """Cells (grid.shape) of `at_oblique_interface` with water and no air around: the pressure joins them."""
+        air = (self.active == 0) & (self.medium.open_cells > 0.0)
+        return self.at_oblique_interface & (self.active != 0) & ~spread(air, self.grid.periodic)
+
+    def joined_faces(self) -> list[NDArray[np.uint8]] | None:
+        """1 on the faces of `joined_cells`, 0 on others, per axis; None where there is no oblique interface."""
+        if not (self.porous and self._has_oblique):
+            return None
+        cells, found = self.joined_cells(), []
+        for axis, wraps in enumerate(self.grid.periodic):
+            wide = np.moveaxis(np.pad(cells, [(int(a == axis),) * 2 for a in range(cells.ndim)]), axis, 0)
+            if wraps:
+                wide[0], wide[-1] = wide[-2], wide[1]
+            found.append(np.ascontiguousarray(np.moveaxis(wide[:-1] | wide[1:], 0, axis), np.uint8))
+        return found
+
+    @cached_property
+    def _has_oblique(self) -> bool:
+        return bool(self.at_oblique_interface.any())
+
     @cached_property
     def around_interface(self) -> NDArray[np.uint8]:
         """The cells of `at_interface` and all that touch one (grid.shape), as the core takes them."""

@@ -23,6 +23,8 @@ from houle.flow.state import SPRAY, Flow
 from houle.grid import Faces
 from houle.registry import Choices
 
+MORE = 4  # terms at oblique porous interfaces for each one beyond the first
+
 
 class Transfer:
     """Base of the transfers. `name` is that in the case file; `what`, `source` and `range` are for `houle describe`."""
@@ -103,12 +105,15 @@ class Fmpm(Pic):
     def to_grid(self, flow: Flow) -> None:
         """Sets the velocity of the faces to the sum of `order` terms.
 
-        For the linear kernel the core holds the matrix; for the others each term is a pass over the particles.
+        For the linear kernel the core holds the matrix; for the others each term is a pass over the particles. With the
+        matrix, faces at oblique porous interfaces under water take more terms (`MORE`): there the velocity jumps along
+        a staircase, and four terms filter so much of it that a rubble mound reflects too little.
         """
         p, work = flow.particles, flow.work
         if flow.kernel == "linear":
             spaces = (flow.velocity, work.face_mass, flow.old_velocity, work.store, flow.interfaces)
-            work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *spaces)
+            more = (flow.joined_faces(), MORE * (self.order - 1))
+            work.mass_matrix.transfer(p.position, flow.bulk, flow.start, p.velocity, self.order, *spaces, *more)
             return
         super().to_grid(flow)
         for _ in range(1, self.order):

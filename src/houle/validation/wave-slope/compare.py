@@ -37,8 +37,10 @@ def compare(run: Run) -> list[Check]:
         "C_T": (found.C_T, found.interval_T),
         "C_D": (found.C_D, found.interval_D),
     }
+    known = reflection.beside(run.case, found.H_I)["theory"]
     return [
         *(report(name, value, note=f"{low:.3f} to {high:.3f}") for name, (value, (low, high)) in sides.items()),
+        report("C_R by linear theory", known["C_R"]),
         report("incident height", 1e3 * found.H_I, "mm"),
         report("unexplained by two waves", 100.0 * found.residual, "%"),
         Check("volume drift", largest(run.series.volume_drift), "-", 1e-12),
