@@ -1,19 +1,22 @@
 """Mean overtopping of tests of the CLASH database (2004), computed as an engineer would, beside the laboratory.
 
-    python benchmarks/clash.py write KIND DIR [--spacing 0.02] [--waves 100]     KIND: slope, wall or mound
-    houle run DIR/TEST.toml --out DIR/TEST                                       for every TEST that was written
+    python benchmarks/clash.py write KIND DIR [--spacing 0.02] [--waves 100] [--roughness 0]
+    houle run DIR/TEST.toml --out DIR/TEST      for every TEST that was written
     python benchmarks/clash.py compare DIR
 
-Which tests: those with q / sqrt(g Hm0^3) >= 1e-4 whose T_m-1,0 is that of a JONSWAP spectrum, T_p/1.1, within 5 %, whose
-still water from maker to structure covers at most 8 m2 (the cost), and of mounds whose filter is a spacing and a half
-thick; sorted by q* and cut into eight parts of as many tests, of each part the one nearest to its median. One section each, from the numbers of the table and nothing else: a
-relaxation zone, a level bed, the foreshore, a smooth slope with a sharp crest or a wall, a dry basin behind that holds
-what comes over; beds and walls slip. A mound has the stones that the table does not tell: armour of two layers with
-Hs/(Delta D_n50) = 1.75, three layers of filter of a tenth of its mass, a core of a two-hundredth (The Rock Manual,
-chapter 5), drag by van Gent (1995) with his coefficients and the period of the sea, a box behind the crest that catches the water.
+KIND is slope, wall or mound.
 
-Printed for each: the discharge with its interval of 90 %, the laboratory's, EurOtop's, waves and CPU seconds; for all:
-the share within a factor of two and the geometric bias of both. Tests of the same numbers differ by 1.25.
+Which tests: those with q / sqrt(g Hm0^3) >= 1e-4 whose T_m-1,0 is that of a JONSWAP spectrum, T_p/1.1, within 5 %,
+whose still water from maker to structure covers at most 8 m2 (the cost), and of mounds whose filter is a spacing and a
+half thick; sorted by q* and cut into eight parts of as many tests, from each part the one in its middle. One section
+each, from the numbers of the table and nothing else: a relaxation zone, a level bed, the foreshore, a smooth slope with
+a sharp crest or a wall, a dry basin behind that holds what comes over. Beds and walls slip, or rub with --roughness. A
+mound has the stones that the table does not tell: armour of two layers with Hs/(Delta D_n50) = 1.75, three layers of
+filter of a tenth of its mass, a core of a two-hundredth (The Rock Manual, chapter 5), drag by van Gent (1995) with his
+coefficients and the period of the sea; a box behind its crest catches the water.
+
+Printed for each: the discharge with its interval of 90 %, the laboratory's, EurOtop's, waves and CPU seconds; for all
+of a kind: the share within a factor of two and the geometric bias of both. Tests of the same numbers differ by 1.25.
 """
 
 from __future__ import annotations
@@ -22,12 +25,12 @@ import argparse
 import csv
 import json
 from collections.abc import Iterator
-from math import hypot, log10, pi
+from math import hypot, pi
 from pathlib import Path
 
 import numpy as np
 
-from houle import load
+from houle import load, open_run
 from houle.design.nearest import TABLE
 from houle.waves.dispersion import wave_number
 
@@ -123,7 +126,7 @@ def wet(test: Row, kind: str, start: float, back: float) -> Points:
     return edge[: 3 if foot > 0 else 1] + ([] if foot > 0 else [[start, 0.0]]) + shore + [[0.0, still]]
 
 
-def case(test: Row, kind: str, spacing: float, waves: int) -> dict[str, object]:
+def case(test: Row, kind: str, spacing: float, waves: int, roughness: float | None) -> dict[str, object]:
     """The case of a test."""
     height, still, length = test["hm0_deep"], test["depth_deep"], test["length"]
     start, foot = toe(test), round(still - test["depth_toe"], 4)
@@ -137,6 +140,8 @@ def case(test: Row, kind: str, spacing: float, waves: int) -> dict[str, object]:
     if foot > 0:
         rear = [[end - 2 * spacing, 0.0], [end - 2 * spacing, foot]] if kind == "mound" else [[start, 0.0]]
         parts["solid"].append({"name": "bed", "polygon": [[2.1 * length, 0.0], *rear, [start, foot]]})
+    if roughness is not None:
+        parts["solid"] = [{**table, "roughness": roughness} for table in parts["solid"]]
     top = level + (3.0 if kind == "wall" else 2.0) * height
     return {
         "case": {"name": f"{kind}-{test['row']:.0f}", "title": f"CLASH, row {test['row']:.0f}"},
@@ -154,33 +159,45 @@ def case(test: Row, kind: str, spacing: float, waves: int) -> dict[str, object]:
     }
 
 
-def write(kind: str, folder: Path, spacing: float, waves: int) -> None:
+def write(kind: str, folder: Path, spacing: float, waves: int, roughness: float | None) -> None:
     """Writes a case file for each test that is chosen, and the test beside it."""
     folder.mkdir(parents=True, exist_ok=True)
     for test in chosen(kind, spacing):
         name = f"{kind}-{test['row']:.0f}"
-        text = load(case(test, kind, spacing, waves)).to_toml()
+        text = load(case(test, kind, spacing, waves, roughness)).to_toml()
         (folder / f"{name}.toml").write_text(text, encoding="utf-8")
         (folder / f"{name}.json").write_text(json.dumps(test, indent=1), encoding="utf-8")
         print(f"{name}: q* {test['q_star']:.2e}, toe at {toe(test):.2f} m")
 
 
 def compare(folder: Path) -> None:
-    """Prints a row for each run that has ended, and the numbers of all."""
-    print("test          q [l/s/m] (90 %)           laboratory  EurOtop  Hm0: incident, asked  waves  CPU [s]")
-    errors = []
+    """Prints a row for each run that has ended, and the numbers of each kind."""
+    print("test        q [l/s/m]  90 %             laboratory  EurOtop  Rc/Hm0  Hm0 in, asked [mm]  CPU [s]")
+    errors: dict[str, list[tuple[float, float]]] = {}
     for file in sorted(folder.glob("*-*.json")):
-        record = folder / file.stem / "run.json"
-        if not record.exists():
+        if not (folder / file.stem / "run.json").exists():
             continue
-        test, run = json.loads(file.read_text()), json.loads(record.read_text())
-        answer = next(row for row in run["answers"] if row["name"] == "q")
-        errors.append((answer["value"] / test["q"], answer["formulas"][0]["value"] / test["q"]))
-        print(file.stem, answer)
-    if errors:
-        off = np.log10(np.array(errors))
-        near, bias = np.mean(np.abs(off) <= log10(2), axis=0), 10 ** np.mean(off, axis=0)
-        print(f"within a factor of two, bias: {near[0]:.0%}, {bias[0]:.2f}; EurOtop {near[1]:.0%}, {bias[1]:.2f}")
+        test = json.loads(file.read_text(encoding="utf-8"))
+        run = open_run(folder / file.stem).manifest
+        if not run["finished"]:
+            continue
+        summary = run["summary"]
+        answer = next(row for row in summary["answers"]["rows"] if row["unit"] == "m3/s/m")
+        q, low, high, formula = (1e3 * (answer[key] or 0.0) for key in ("value", "low_90", "high_90", "formula_value"))
+        height = 1e3 * summary["reflection"]["H_I"]
+        errors.setdefault(file.stem.split("-")[0], []).append((q / (1e3 * test["q"]), formula / (1e3 * test["q"])))
+        print(
+            f"{file.stem:11} {q:8.3f}   {low:.3f} to {high:.3f}   {1e3 * test['q']:8.3f}   {formula:8.3f}   "
+            f"{test['rc'] / test['hm0_toe']:.2f}   {height:.0f}, {1e3 * test['hm0_deep']:.0f}   "
+            f"{summary['cpu_seconds']:.0f}"
+        )
+    for kind, pairs in errors.items():
+        off = np.log(np.maximum(np.array(pairs), 1e-3))
+        near, bias = np.mean(np.abs(off) <= np.log(2), axis=0), np.exp(np.mean(off, axis=0))
+        print(
+            f"{kind}, {len(pairs)} tests within a factor of two, bias: {near[0]:.0%}, {bias[0]:.2f}; "
+            f"EurOtop {near[1]:.0%}, {bias[1]:.2f}"
+        )
 
 
 def main() -> None:
@@ -192,10 +209,11 @@ def main() -> None:
     first.add_argument("folder", type=Path)
     first.add_argument("--spacing", type=float, default=0.02)
     first.add_argument("--waves", type=int, default=100)
+    first.add_argument("--roughness", type=float, help="of slope or wall and foreshore [m]; they slip without")
     what.add_parser("compare").add_argument("folder", type=Path)
     given = parser.parse_args()
     if given.what == "write":
-        write(given.kind, given.folder, given.spacing, given.waves)
+        write(given.kind, given.folder, given.spacing, given.waves, given.roughness)
     else:
         compare(given.folder)
 

@@ -5,10 +5,10 @@
     python benchmarks/solitary_run_up.py compare DIR
 
 LAB_RUNUP.txt has a line `H/d R/d d[cm]` for each test (NTHMP benchmark problem 4). Taken are the tests nearest to ten
-heights from 0.005 to 0.6 in equal ratios. A piston (Goring 1979) makes the wave half its length (to 1 % of its height),
-or ten depths, before the toe. Cells are a thirtieth of the depth. Repeats of a test differ by 2 to 6 % of R; waves above
-H/d = 0.045 break on the slope. The law beside it is R/d = 2.831 sqrt(19.85) (H/d)^(5/4), for waves that do not break.
-Target: mean absolute error 6 %.
+heights from 0.005 to 0.6 in equal ratios. A piston (Goring 1979) makes the wave half its length (to 1 % of its
+height), or ten depths, before the toe. Cells are a thirtieth of the depth. Repeats of a test differ by 2 to 6 % of R;
+waves above H/d = 0.045 break on the slope. The law beside it is R/d = 2.831 sqrt(19.85) (H/d)^(5/4), for waves that do
+not break. Target: mean absolute error 6 %.
 """
 
 from __future__ import annotations
@@ -81,7 +81,9 @@ def compare(folder: Path) -> None:
         crest = float(np.nanmax(series["eta"].values)) / depth - 1
         errors.append(abs(level / found - 1))
         law = 2.831 * sqrt(SLOPE) * height**1.25
-        print(f"{height:5g}   {crest:8.4f}    {level:6.4f}  {found:6.3f}  {100 * (level / found - 1):+8.1f} %  {law:6.3f}")
+        print(
+            f"{height:5g}   {crest:8.4f}    {level:6.4f}  {found:6.3f}  {100 * (level / found - 1):+8.1f} %  {law:6.3f}"
+        )
     print(f"mean absolute error {100 * np.mean(errors):.1f} % of {len(errors)} tests")
 
 
