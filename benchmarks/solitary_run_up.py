@@ -73,7 +73,7 @@ def compare(folder: Path) -> None:
     print("H/d     at the toe  R/d     laboratory  off     law")
     errors = []
     for file in sorted(folder.glob("run-up-*.json"), key=lambda file: float(file.stem.split("-")[-1])):
-        if not (folder / file.stem / "run.json").exists():
+        if not (folder / file.stem / "run.json").exists() or not open_run(folder / file.stem).manifest["finished"]:
             continue
         height, found, depth = json.loads(file.read_text(encoding="utf-8"))
         series = open_run(folder / file.stem).series
